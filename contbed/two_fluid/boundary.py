@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.two_fluid.compiled import SMALLEST, Array, Indices, kernel
+from contbed.two_fluid.compiled import SMALLEST, Array, Indices, inner, kernel
 from contbed.two_fluid.fv.grid import Geometry, Grid
 
 WALL, GIVEN, OUTLET = 0, 1, 2  # kinds of condition on a face
@@ -225,6 +225,18 @@ def _fill(
         solid.flux[at] = edge.eps_s[at] * (solid.u[at] * normal).sum(axis=1)
 
 
+@inner
+def speed_through(g: Geometry, side: Side, b: int, u: Array) -> float:
+    """Velocity u (nc, dim) of the cell at boundary face b against the wall, along the
+    normal.
+    """
+    f = len(g.right) + b
+    found = 0.0
+    for k in range(len(g.axes)):
+        found += (u[g.left[f], k] - side.u[b, k]) * g.normal[f, k]
+    return found
+
+
 @kernel
 def boundary_velocity(
     g: Geometry, side: Side, slip: Array, u: Array, eps: Array, out: Array
@@ -240,9 +252,7 @@ def boundary_velocity(
         f = ni + b
         c = g.left[f]
         if side.kind[b] == WALL:
-            away = 0.0
-            for k in range(dim):
-                away += (u[c, k] - side.u[b, k]) * g.normal[f, k]
+            away = speed_through(g, side, b, u)
             for k in range(dim):
                 along = u[c, k] - side.u[b, k] - away * g.normal[f, k]
                 out[b, k] = side.u[b, k] + slip[b] * along
@@ -314,9 +324,7 @@ def wall_slip(
                 viscous / (viscous + collisions + SMALLEST) if collisions > 0.0 else 1.0
             )
             if rubbing > 0.0:
-                away = along = 0.0
-                for k in range(dim):
-                    away += (u[c, k] - edge.solid.u[b, k]) * g.normal[ni + b, k]
+                away, along = speed_through(g, edge.solid, b, u), 0.0
                 for k in range(dim):
                     along += (
                         u[c, k] - edge.solid.u[b, k] - away * g.normal[ni + b, k]

@@ -23,7 +23,11 @@ from contbed.two_fluid.boundary import GIVEN, OUTLET, Edge
 from contbed.two_fluid.compiled import SMALLEST, Array, Flags, inner, kernel
 from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
-from contbed.two_fluid.fv.reconstruction import Reconstruction, face_value
+from contbed.two_fluid.fv.reconstruction import (
+    Reconstruction,
+    face_value,
+    value_that_leaves,
+)
 from contbed.two_fluid.state import ForceGradients
 
 Value = TypeVar("Value", float, Array)
@@ -383,10 +387,10 @@ def reconstruct_fractions(
     )
     for f in range(len(g.right)):
         out.gas[f] = 1.0 - face_value(
-            g, f, predictor.upwind_gas[f] >= 0.0, s, grad, half_step, limited
+            g, f, 0, predictor.upwind_gas[f] >= 0.0, s, grad, half_step, limited
         )
         forward = predictor.upwind_solid[f] >= 0.0
-        found = face_value(g, f, forward, s, grad, half_step, limited)
+        found = face_value(g, f, 0, forward, s, grad, half_step, limited)
         out.solid[f] = carried_fraction(
             found, s[g.left[f], 0] if forward else s[g.right[f], 0], limited
         )
@@ -428,13 +432,7 @@ def reconstruct_boundary_fractions(
             out.gas[f] = 1.0 - eps
             if edge.solid.flux[b] > 0.0:
                 # what leaves has the fraction of the cell
-                part = half_step[left, 0]
-                for d in range(len(g.axes)):
-                    part += grad[left, 0, d] * g.arm_left[f, d]
-                jump = eps - s[left, 0]
-                eps = s[left, 0] + (
-                    min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part
-                )
+                eps = value_that_leaves(g, f, 0, s, grad, half_step, eps, limited)
             out.solid[f] = eps
 
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from contbed.compiled.threads import parallel
 from contbed.two_fluid import boundary
-from contbed.two_fluid.boundary import WALL, Edge, Particles
+from contbed.two_fluid.boundary import WALL, Edge, Particles, speed_through
 from contbed.two_fluid.cell_velocities import FaceVelocities
 from contbed.two_fluid.compiled import SMALLEST, UNDERFLOW, Array, Flags, kernel
 from contbed.two_fluid.continuity import Moved
@@ -108,9 +108,7 @@ def assemble_theta(
             * np.sqrt(old[c])
         )
         common = agitation / particles.eps_max
-        slide = away = 0.0
-        for k in range(len(g.axes)):
-            away += (u[c, k] - solid.u[b, k]) * g.normal[f, k]
+        slide, away = 0.0, speed_through(g, solid, b, u)
         for k in range(len(g.axes)):
             slide += (slip[b] * (u[c, k] - solid.u[b, k] - away * g.normal[f, k])) ** 2
         loss = common * (1.0 - edge.restitution[b] ** 2) / 4.0

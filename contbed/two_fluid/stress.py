@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contbed.two_fluid.boundary import OUTLET, WALL, Side
+from contbed.two_fluid.boundary import OUTLET, WALL, Side, speed_through
 from contbed.two_fluid.compiled import SMALLEST, Array, inner, kernel
 from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
@@ -162,9 +162,7 @@ def add_boundary_stress(
             for k in range(dim):
                 coef[f, k] = 0.0
         elif side.kind[b] == WALL:
-            away = 0.0
-            for k in range(dim):
-                away += (u[left, k] - side.u[b, k]) * g.normal[f, k]
+            away = speed_through(g, side, b, u)
             for k in range(dim):
                 n = g.normal[f, k]
                 along = u[left, k] - side.u[b, k] - away * n

@@ -84,7 +84,7 @@ def convect(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None
     """Add -sum over faces of flux (u_face - u_cell) [m3/s times u] to `out` (nc, m);
     `flux` (nf,) is a volume flux.
     """
-    ni, dim = len(g.right), len(g.axes)
+    ni = len(g.right)
     # taken out of the loop, where each would be counted as a reference
     u, grad, half_step = field.values, field.gradient, field.half_step
     first_order, limited = field.first_order, field.limited
@@ -93,18 +93,9 @@ def convect(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None
         forward = rate >= 0.0
         c = left if forward else right
         for k in range(u.shape[1]):
-            slope = along = 0.0
-            for d in range(dim):
-                if forward:
-                    slope += grad[c, k, d] * g.arm_left[f, d]
-                    along += grad[c, k, d] * (g.arm_left[f, d] - g.arm_right[f, d])
-                else:
-                    slope += grad[c, k, d] * g.arm_right[f, d]
-                    along += grad[c, k, d] * (g.arm_right[f, d] - g.arm_left[f, d])
-            jump = (u[right, k] - u[left, k]) if forward else (u[left, k] - u[right, k])
             value = u[c, k]
             if not first_order[c]:
-                value += limited_increment(slope, along, jump, half_step[c, k], limited)
+                value = face_value(g, f, k, forward, u, grad, half_step, limited)
             out[right, k] += rate * (value - u[right, k])
             out[left, k] -= rate * (value - u[left, k])
     convect_at_boundary(g, flux, field, out)
@@ -122,49 +113,61 @@ def convect_at_boundary(
         for k in range(u.shape[1]):
             value = edge[f - ni, k]
             if rate >= 0.0:
-                jump, part = value - u[c, k], 0.0
-                if not first_order[c]:
-                    part = half_step[c, k]
-                    for d in range(len(g.axes)):
-                        part += grad[c, k, d] * g.arm_left[f, d]
-                value = u[c, k] + (
-                    min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part
+                value = (
+                    u[c, k]
+                    if first_order[c]
+                    else value_that_leaves(g, f, k, u, grad, half_step, value, limited)
                 )
             out[c, k] -= rate * (value - u[c, k])
+
+
+@inner
+def value_that_leaves(
+    g: Geometry,
+    f: int,
+    k: int,
+    values: Array,
+    grad: Array,
+    half_step: Array,
+    given: float,
+    limited: bool,
+) -> float:
+    """Component k of a field on the boundary face f that the flow leaves through,
+    between the value of the cell and the `given` one of the face where it is limited.
+    """
+    c = g.left[f]
+    jump, part = given - values[c, k], half_step[c, k]
+    for d in range(len(g.axes)):
+        part += grad[c, k, d] * g.arm_left[f, d]
+    if limited:
+        part = min(max(part, min(0.0, jump)), max(0.0, jump))
+    return float(values[c, k] + part)
 
 
 @inner
 def face_value(
     g: Geometry,
     f: int,
+    k: int,
     forward: bool,
     values: Array,
     grad: Array,
     half_step: Array,
     limited: bool,
 ) -> float:
-    """First component of a field on the interior face f, reconstructed in the cell
-    that the flow comes from.
+    """Component k of a field on the interior face f, reconstructed in the cell
+    upwind.
     """
-    left, right = g.left[f], g.right[f]
+    here, there = (g.left[f], g.right[f]) if forward else (g.right[f], g.left[f])
     slope = along = 0.0
-    if forward:
-        for d in range(len(g.axes)):
-            slope += grad[left, 0, d] * g.arm_left[f, d]
-            along += grad[left, 0, d] * (g.arm_left[f, d] - g.arm_right[f, d])
-        jump = values[right, 0] - values[left, 0]
-        return float(
-            values[left, 0]
-            + limited_increment(slope, along, jump, half_step[left, 0], limited)
-        )
     for d in range(len(g.axes)):
-        slope += grad[right, 0, d] * g.arm_right[f, d]
-        along += grad[right, 0, d] * (g.arm_right[f, d] - g.arm_left[f, d])
-    jump = values[left, 0] - values[right, 0]
-    return float(
-        values[right, 0]
-        + limited_increment(slope, along, jump, half_step[right, 0], limited)
-    )
+        left, right = g.arm_left[f, d], g.arm_right[f, d]
+        arm, way = (left, left - right) if forward else (right, right - left)
+        slope += grad[here, k, d] * arm
+        along += grad[here, k, d] * way
+    jump = values[there, k] - values[here, k]
+    increment = limited_increment(slope, along, jump, half_step[here, k], limited)
+    return float(values[here, k] + increment)
 
 
 @kernel
@@ -189,7 +192,7 @@ def face_values(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> 
         if first_order[c]:
             out[f] = values[c, 0]
         else:
-            out[f] = face_value(g, f, forward, values, grad, half_step, limited)
+            out[f] = face_value(g, f, 0, forward, values, grad, half_step, limited)
 
 
 @kernel

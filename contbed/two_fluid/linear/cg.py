@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from contbed.two_fluid.compiled import Array, inner, inner_summing, kernel
+from contbed.two_fluid.compiled import Array, Indices, inner, kernel, summing
 from contbed.two_fluid.fv.grid import Geometry
 
 # cells that are not solved for, that lie beside a stiff one, that are
@@ -81,7 +81,7 @@ def solve(
     tolerance : of the residual, relative in the norm of the inverse diagonal
     """
     coef, links, content, rhs = system.coef, system.links, system.content, system.rhs
-    ni, count = len(g.right), len(content)
+    count = len(content)
     add_links(g, system)
     state, found = np.zeros(count, dtype=np.int8), False
     for c in range(count):
@@ -92,52 +92,55 @@ def solve(
                 found = True
     if not found:
         return 0
-    rank, cells, column, face = _rows(g, state)
+    mark_neighbours(g, state)
+    rows = rows_of(g, state)
     longest = 0
     for k in range(coef.shape[1]):
-        scale, target = np.empty(len(cells)), np.empty(len(cells))
-        for i in range(len(cells)):
-            scale[i] = content[cells[i], k] + links[cells[i], k]
-        for f in range(ni):
-            left, right = rank[g.left[f]], rank[g.right[f]]
-            if left >= 0 and right < 0:
-                scale[left] -= coef[f, k]
-            elif right >= 0 and left < 0:
-                scale[right] -= coef[f, k]
-        for i in range(len(cells)):
-            scale[i] = 1.0 / np.sqrt(scale[i])
-            target[i] = scale[i] * rhs[cells[i], k]
-        values = np.zeros(column.shape)
-        for i in range(len(cells)):
-            for j in range(column.shape[1]):
-                if column[i, j] != i:
-                    values[i, j] = coef[face[i, j], k] * scale[i] * scale[column[i, j]]
+        scale, target = scale_of(g, system, k, rows), np.empty(len(rows.cells))
+        for i in range(len(target)):
+            target[i] = scale[i] * rhs[rows.cells[i], k]
+        values = values_of(coef, k, rows, scale)
         iterations = _conjugate_gradients(
-            g.axes, column, values, target, tolerance, most
+            g.axes, rows.column, values, target, tolerance, most
         )
         if iterations < 0:
             return -1
         longest = max(longest, iterations)
-        for i in range(len(cells)):
-            x[cells[i], k] = scale[i] * target[i]
+        for i in range(len(target)):
+            x[rows.cells[i], k] = scale[i] * target[i]
     return longest
 
 
-@inner
-def _rows(g: Geometry, state: Any) -> tuple[Any, Any, Any, Any]:
-    """Set up the system of the STIFF cells and their neighbours.
+class Rows(NamedTuple):
+    """The system of n cells that are solved for.
 
-    Return the number of each cell in it, -1 where it has none; the cell of each number;
-    for each row the numbers of its neighbours and their faces, its own number in place
-    of a missing one.
+    rank (nc,) : number of each cell in it, -1 where it has none
+    cells (n,) : the cell of each number
+    column, face (n, m) : numbers of the neighbours of each row and the faces to them,
+        its own number in place of a missing neighbour
     """
-    ni, most = len(g.right), 2 * len(g.axes)
-    for f in range(ni):
+
+    rank: Any
+    cells: Indices
+    column: Any
+    face: Any
+
+
+@kernel
+def mark_neighbours(g: Geometry, state: Any) -> None:
+    """Mark the quiet neighbours of stiff cells in `state` (nc,)."""
+    for f in range(len(g.right)):
         left, right = g.left[f], g.right[f]
         if state[left] == STIFF and state[right] == QUIET:
             state[right] = BESIDE
         elif state[right] == STIFF and state[left] == QUIET:
             state[left] = BESIDE
+
+
+@kernel
+def rows_of(g: Geometry, state: Any) -> Rows:
+    """Set up the system of the cells that are not quiet."""
+    ni, most = len(g.right), 2 * len(g.axes)
     rank, cells = np.full(len(state), -1, dtype=np.int32), np.flatnonzero(state)
     column, face = (
         np.empty((len(cells), most), dtype=np.uint32),
@@ -154,16 +157,48 @@ def _rows(g: Geometry, state: Any) -> tuple[Any, Any, Any, Any]:
                 column[here, filled[here]] = there
                 face[here, filled[here]] = f
                 filled[here] += 1
-    return rank, cells, column, face
+    return Rows(rank, cells, column, face)
 
 
-@inner_summing
-def _product(
+@kernel
+def scale_of(g: Geometry, system: System, k: int, rows: Rows) -> Array:
+    """Return one over the root of the diagonal of component k; a link to a cell that is
+    not solved for counts as none.
+    """
+    rank, cells, coef = rows.rank, rows.cells, system.coef
+    scale = np.empty(len(cells))
+    for i in range(len(cells)):
+        scale[i] = system.content[cells[i], k] + system.links[cells[i], k]
+    for f in range(len(g.right)):
+        left, right = rank[g.left[f]], rank[g.right[f]]
+        if left >= 0 and right < 0:
+            scale[left] -= coef[f, k]
+        elif right >= 0 and left < 0:
+            scale[right] -= coef[f, k]
+    for i in range(len(cells)):
+        scale[i] = 1.0 / np.sqrt(scale[i])
+    return scale
+
+
+@kernel
+def values_of(coef: Array, k: int, rows: Rows, scale: Array) -> Array:
+    """Return the links (n, m) of component k in the matrix with a diagonal of ones."""
+    column, face = rows.column, rows.face
+    values = np.zeros(column.shape)
+    for i in range(len(scale)):
+        for j in range(column.shape[1]):
+            if column[i, j] != i:
+                values[i, j] = coef[face[i, j], k] * scale[i] * scale[column[i, j]]
+    return values
+
+
+@summing
+def product(
     axes: tuple[int, ...], column: Any, values: Array, p: Array, q: Array
 ) -> float:
     """Set q = p - values times the neighbours; return p . q."""
     total = 0.0
-    for i in range(len(p)):
+    for i in range(len(q)):
         row = p[i]
         for j in range(2 * len(axes)):
             row -= values[i, j] * p[column[i, j]]
@@ -172,11 +207,11 @@ def _product(
     return total
 
 
-@inner_summing
-def _advance(alpha: float, p: Array, q: Array, x: Array, r: Array) -> float:
+@summing
+def advance(alpha: float, p: Array, q: Array, x: Array, r: Array) -> float:
     """Set x + alpha p and r - alpha q in place; return r . r."""
     total = 0.0
-    for i in range(len(p)):
+    for i in range(len(q)):
         x[i] += alpha * p[i]
         r[i] -= alpha * q[i]
         total += r[i] * r[i]
@@ -198,7 +233,7 @@ def _conjugate_gradients(
     Return the number of iterations, -1 if too many.
     """
     r, p, q = np.empty_like(x), np.empty_like(x), np.empty_like(x)
-    _product(axes, column, values, x, q)
+    product(axes, column, values, x, q)
     first = rho = 0.0
     for i in range(len(x)):
         r[i] = p[i] = x[i] - q[i]
@@ -208,7 +243,7 @@ def _conjugate_gradients(
         if rho <= tolerance**2 * first:
             return iteration
         before = rho
-        rho = _advance(rho / _product(axes, column, values, p, q), p, q, x, r)
+        rho = advance(rho / product(axes, column, values, p, q), p, q, x, r)
         for i in range(len(p)):
             p[i] = r[i] + rho / before * p[i]
     return -1 if rho > tolerance**2 * first else most
