@@ -298,13 +298,8 @@ class Bed:
     def _radiation(self, pairs: heat.Pairs) -> Array:
         """Find the heat that particles receive by radiation [W]."""
         assert self.T is not None
-        d_p = 2.0 * self.simulation.radius
-        n = len(self.T)
-        near = pairs.distance <= heat.VIEW * float(d_p.mean())
-        i, j = pairs.i[near], pairs.j[near]
-        count = np.bincount(i, minlength=n) + np.bincount(j, minlength=n)
-        total = np.bincount(i, self.T[j], n) + np.bincount(j, self.T[i], n)
-        around = self.gas.around(self.motion)
-        seen = np.where(count > 0, total / np.maximum(count, 1), around.T)
-        local = around.eps * around.T + (1.0 - around.eps) * seen
+        d_p, around = 2.0 * self.simulation.radius, self.gas.around(self.motion)
+        local = heat.surroundings(
+            pairs, self.T, around.T, around.eps, float(d_p.mean())
+        )
         return heat.radiation(self.T, local, d_p, self.emissivity)[0]

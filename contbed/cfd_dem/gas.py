@@ -239,13 +239,16 @@ class Gas:
         slope = self._project(dt, places, predicted, gained)
         self._transport(dt, gained)
         self.given = drag.resisted * self.q - drag.pushed - places.solid * slope
-        return kernels.force_on_particles(places, drag, self.q, slope), received
+        slip = kernels.gather(places.faces, places.weight, self.q) - drag.carried
+        steep = kernels.gather(places.faces, places.weight, slope)
+        force = drag.coefficient[:, None] * slip - places.volume[:, None] * steep
+        return force, received
 
     def around(self, bed: Motion) -> Local:
         """Return the gas around each particle."""
         where, share, inside = self.grid.shares(bed.x, bed.radius)
         eps = kernels.gather(where, share, self.eps)
-        slip = kernels.gather_faces(*self._weights(bed), self.q) - eps[:, None] * bed.v
+        slip = kernels.gather(*self._weights(bed), self.q) - eps[:, None] * bed.v
         return self._local(where, share, inside, eps, slip, 2.0 * bed.radius)
 
     def state(self) -> dict[str, Array]:
@@ -272,7 +275,7 @@ class Gas:
         faces, weight = self._weights(bed)
         volume = bed.volume * inside
         eps, eps_at = self._porosity(volume, where, share)
-        solid = kernels.scatter_faces(faces, weight, volume, len(self.u))
+        solid = kernels.scatter(faces, weight, volume, len(self.u))
         return Places(
             where,
             share,
@@ -313,11 +316,14 @@ class Gas:
         weight = places.weight
         d_p, eps_at = 2.0 * bed.radius, places.eps_at
         carried = eps_at[:, None] * bed.v
-        slip = kernels.gather_faces(faces, weight, self.q) - carried
+        slip = kernels.gather(faces, weight, self.q) - carried
         local = self._local(where, share, places.inside, eps_at, slip, d_p)
         beta = self.drag(Re=local.Re, eps=local.eps, d_p=d_p, mu=local.mu)
         coefficient = beta * places.volume / ((1.0 - eps_at) * eps_at)
-        sums = kernels.scatter_drag(faces, weight, coefficient, carried, len(self.u))
+        sums = (
+            kernels.scatter(faces, weight, each, len(self.u))
+            for each in (coefficient, coefficient[:, None] * carried)
+        )
         return local, Drag(coefficient, carried, *sums)
 
     def _predict(self, dt: float, rho: Array, places: Places, drag: Drag) -> Prediction:

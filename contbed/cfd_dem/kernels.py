@@ -8,8 +8,6 @@ that does not depend on how many there are.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,9 +21,12 @@ Places = NDArray[np.int32]  # cells or faces around each particle
 
 
 def gather(where: Places, weight: Array, values: Array) -> Array:
-    """Sum the weighted values of the cells around each particle, shape (n,)."""
-    out = np.empty(len(where))
-    threads.parallel(_gather, len(where), where, weight, values, out)
+    """Sum the weighted values of what is around each particle: of cells (n, k) the
+    value (n,), of faces (n, 3, 8) the vector (n, 3).
+    """
+    rows, out = where.reshape(-1, where.shape[-1]), np.empty(where.shape[:-1])
+    arguments = rows, weight.reshape(rows.shape), values, out.reshape(-1)
+    threads.parallel(_gather, len(rows), *arguments)
     return out
 
 
@@ -41,10 +42,14 @@ def _gather(
 
 
 def scatter(where: Places, weight: Array, values: Array, size: int) -> Array:
-    """Sum `values` (n,) over the particles, shape (size,)."""
-    return np.asarray(
-        threads.scattered(_scatter, len(where), (size,), where, weight, values)
-    )
+    """Sum `values` over the particles, shape (size,): (n,) on the cells (n, k) or on
+    the faces (n, 3, 8) around each, or (n, 3) on the faces across each axis.
+    """
+    count, number = len(where), where.shape[-1]
+    rows = where.reshape(count, where.size // (count * number), number)
+    each = np.broadcast_to(values.reshape(count, -1), rows.shape[:2])
+    arguments = rows, weight.reshape(rows.shape), np.ascontiguousarray(each)
+    return np.asarray(threads.scattered(_scatter, count, (size,), *arguments))
 
 
 @entry(nogil=True, cache=True)
@@ -52,118 +57,9 @@ def _scatter(
     begin: int, end: int, where: Places, weight: Array, values: Array, out: Array
 ) -> None:
     for i in range(begin, end):
-        for k in range(where.shape[1]):
-            out[where[i, k]] += weight[i, k] * values[i]
-
-
-def gather_faces(faces: Places, weight: Array, values: Array) -> Array:
-    """Find the vector at each particle from values normal to the faces, shape (n,
-    3).
-    """
-    out = np.empty((len(faces), 3))
-    threads.parallel(_gather_faces, len(faces), faces, weight, values, out)
-    return out
-
-
-@entry(nogil=True, cache=True)
-def _gather_faces(
-    begin: int, end: int, faces: Places, weight: Array, values: Array, out: Array
-) -> None:
-    for i in range(begin, end):
-        for a in range(3):
-            found = 0.0
-            for k in range(8):
-                found += weight[i, a, k] * values[faces[i, a, k]]
-            out[i, a] = found
-
-
-def scatter_faces(faces: Places, weight: Array, values: Array, size: int) -> Array:
-    """Sum `values` (n,) over the particles, on the faces across each axis, shape
-    (size,).
-    """
-    return np.asarray(
-        threads.scattered(_scatter_faces, len(faces), (size,), faces, weight, values)
-    )
-
-
-@entry(nogil=True, cache=True)
-def _scatter_faces(
-    begin: int, end: int, faces: Places, weight: Array, values: Array, out: Array
-) -> None:
-    for i in range(begin, end):
-        for a in range(3):
-            for k in range(8):
-                out[faces[i, a, k]] += weight[i, a, k] * values[i]
-
-
-def scatter_drag(
-    faces: Places, weight: Array, coefficient: Array, carried: Array, size: int
-) -> Array:
-    """Sum `coefficient` (n,), and its products with `carried` (n, 3) by direction,
-    shape (2, size).
-    """
-    return np.asarray(
-        threads.scattered(
-            _scatter_drag, len(faces), (2, size), faces, weight, coefficient, carried
-        )
-    )
-
-
-@entry(nogil=True, cache=True)
-def _scatter_drag(
-    begin: int,
-    end: int,
-    faces: Places,
-    weight: Array,
-    coefficient: Array,
-    carried: Array,
-    out: Array,
-) -> None:
-    for i in range(begin, end):
-        for a in range(3):
-            given = coefficient[i] * carried[i, a]
-            for k in range(8):
-                f, w = faces[i, a, k], weight[i, a, k]
-                out[0, f] += w * coefficient[i]
-                out[1, f] += w * given
-
-
-def force_on_particles(places: Any, drag: Any, q: Array, slope: Array) -> Array:
-    """Find the force on each particle (n, 3) [N]: drag by q (f,) [m/s] and buoyancy by
-    the slope (f,) of p [Pa/m].
-
-    `places` and `drag` are those of `gas_quantities`.
-    """
-    out = np.empty((len(places.faces), 3))
-    drag_on_each = (drag.coefficient, drag.carried)
-    at = (places.faces, places.weight, places.volume)
-    threads.parallel(_force, len(out), at, drag_on_each, q, slope, out)
-    return out
-
-
-@entry(nogil=True, cache=True)
-def _force(
-    begin: int,
-    end: int,
-    at: tuple[Places, Array, Array],
-    drag: tuple[Array, Array],
-    q: Array,
-    slope: Array,
-    out: Array,
-) -> None:
-    """Set the force `out` (n, 3); `at` are faces, weights and volumes of the
-    particles, `drag` its two parts.
-    """
-    faces, weight, volume = at
-    coefficient, carried = drag
-    for i in range(begin, end):
-        for a in range(3):
-            speed, steep = 0.0, 0.0
-            for k in range(8):
-                f, w = faces[i, a, k], weight[i, a, k]
-                speed += w * q[f]
-                steep += w * slope[f]
-            out[i, a] = coefficient[i] * (speed - carried[i, a]) - volume[i] * steep
+        for a in range(where.shape[1]):
+            for k in range(where.shape[2]):
+                out[where[i, a, k]] += weight[i, a, k] * values[i, a]
 
 
 @entry(cache=True)

@@ -4,9 +4,9 @@ A kernel is compiled with `nogil=True` and takes a range: `kernel(begin, end,
 *arguments)` computes the elements from begin to before end. `parallel` calls it for
 equal parts of the range, one for each thread; a kernel whose elements do not depend on
 each other gives the same bits for any number of threads. Sums need an order that does
-not depend on the number of threads: `sums` calls the kernel for parts of a fixed length
-and adds what it returns in the order of parts, `scattered` does so with arrays to which
-it adds.
+not depend on the number of threads: `scattered` calls the kernel for parts of a fixed
+length, each with an array of its own to which it adds, and sums these in the order of
+parts.
 
     @njit(nogil=True, cache=True)
     def squares(begin, end, x, out):
@@ -38,9 +38,6 @@ from contbed.errors import SceneError
 
 # the least of those set bounds the default
 VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS")
-# elements of a part of `sums`; a kernel of 10 ns an element takes 40 us for it, a
-# hand-over 10 us
-PART = 4096
 SCATTERED = 8  # most parts of `scattered`, each with an array of its own
 # parts of `parallel` begin at multiples of it, so that two threads seldom write to one
 # cache line
@@ -128,35 +125,6 @@ def parallel(
     bounds = [ALIGNED * (n * k // (number * ALIGNED)) for k in range(number)] + [n]
     calls = [(kernel, (bounds[k], bounds[k + 1], *arguments)) for k in range(number)]
     return together(calls)
-
-
-def sums(kernel: Callable[..., Any], n: int, *arguments: Any, part: int = PART) -> Any:
-    """Add what `kernel(begin, end, *arguments)` returns for parts of a fixed length, in
-    the order of the parts.
-
-    Parameters
-    ----------
-    kernel : compiled with nogil=True; returns a number, or a tuple of numbers
-    n : number of elements
-    arguments : passed on to the kernel
-    part : elements of a part; the sum depends on it, not on the number of threads
-
-    Returns
-    -------
-    float, or an array (m,) of the sums of a tuple of m numbers
-
-    Raises
-    ------
-    KeyboardInterrupt : SIGINT arrived
-    """
-    starts = range(0, max(n, 1), part)
-    found: list[Any] = [None] * len(starts)
-
-    def add(k: int) -> None:
-        found[k] = kernel(starts[k], min(starts[k] + part, n), *arguments)
-
-    _each(add, len(starts), count(n))
-    return np.sum(np.array(found, dtype=np.float64), axis=0)
 
 
 def scattered(

@@ -194,21 +194,14 @@ def convection(
     return (2.0 + a * Re**b * Pr ** (1 / 3)) * k_fluid / d_p
 
 
-def surroundings(
-    x: Array,
-    T: Array,
-    T_fluid: Any,
-    eps: Any,
-    d_p: float,
-    box: Box | None = None,
-    periodic: tuple[bool, ...] = CLOSED,
-) -> Array:
+def surroundings(pairs: Pairs, T: Array, T_fluid: Any, eps: Any, d_p: float) -> Array:
     """Find the temperature that each particle sees [K], eps T_f + (1 - eps) mean of
-    those within 1.5 d_p (Eq. 9).
+    the particles within 1.5 d_p (Eq. 9); one without such neighbours sees the fluid.
     """
-    pairs = near_pairs(x, VIEW * d_p, box, periodic)
-    count = _gather(len(x), pairs, np.ones(len(pairs.i)), np.ones(len(pairs.i)))
-    total = _gather(len(x), pairs, T[pairs.j], T[pairs.i])
+    near = pairs.distance <= VIEW * d_p
+    close = Pairs(pairs.i[near], pairs.j[near], pairs.vector[near])
+    count = _gather(len(T), close, None, None)
+    total = _gather(len(T), close, T[close.j], T[close.i])
     seen = np.where(count > 0, total / np.maximum(count, 1.0), T_fluid)
     return np.asarray(eps * T_fluid + (1.0 - eps) * seen, dtype=float)
 

@@ -74,24 +74,18 @@ def impact_of(R: Any, mass: Any, modulus: Any, speed: Any) -> Any:
     return overlap, _DURATION * overlap / speed, _root(R * overlap)
 
 
-def impact_factor(fourier: ArrayLike, capacity_ratio: ArrayLike) -> Array:
+@register_jitable(error_model="numpy")
+def impact_factor(fourier: Any, s: Any) -> Any:
     """Evaluate c' of Eq. 7 [-] (Zhou, Yu, Horio 2008, doi:10.1016/j.cej.2007.08.024, as
     quoted by public codes).
 
-        c' = 0.435 (sqrt(C2^2 - 4 C1 (C3 - Fo)) - C2)/C1, Ck quadratic in s = (rho c)_i/(rho c)_j
+        c' = 0.435 (sqrt(C2^2 - 4 C1 (C3 - Fo)) - C2)/C1, Ck quadratic in s
 
     Parameters
     ----------
     fourier : Fo = k_i t_c/((rho c)_i r_c^2) of the particle of smaller rho c
-    capacity_ratio : s; s > 1 is taken as 1/s: the fit itself is not symmetric
+    s : the smaller rho c over the larger one
     """
-    s = np.asarray(capacity_ratio, dtype=float)
-    factor: Array = _factor(np.asarray(fourier, dtype=float), np.minimum(s, 1.0 / s))
-    return factor
-
-
-@register_jitable(error_model="numpy")
-def _factor(fourier: Any, s: Any) -> Any:
     C1 = -2.300 * s**2 + 8.909 * s - 4.235
     C2 = 8.169 * s**2 - 33.770 * s + 24.885
     C3 = -5.758 * s**2 + 24.464 * s - 20.511
@@ -149,7 +143,7 @@ def conductance_of(
     """
     # the correction changes t_c and r_c^2 alike, so that Fo is that of the real impact
     # as well
-    factor = _factor(diffusivity * duration / radius**2, ratio)
+    factor = impact_factor(diffusivity * duration / radius**2, ratio)
     return factor * np.pi * radius**2 * effusivity / _root(duration)
 
 

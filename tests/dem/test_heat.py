@@ -168,7 +168,7 @@ def test_one_impact():
 
 
 def test_the_factor_of_an_impact():
-    found = heat_impact.impact_factor([0.0, 0.1, 0.5, 1.0, 5.0, 10.0], 1.0)
+    found = heat_impact.impact_factor(np.array([0.0, 0.1, 0.5, 1.0, 5.0, 10.0]), 1.0)
     assert found == pytest.approx(
         [0.9011, 0.9215, 0.9984, 1.0859, 1.610, 2.076], abs=6e-4
     )
@@ -230,17 +230,17 @@ def test_voronoi_cells_fill_the_box(periodic):
 def test_surroundings_and_radiation():
     x = np.random.default_rng(3).random((60, 3))
     same = np.full(60, 900.0)
-    local = heat.surroundings(x, same, 900.0, 0.4, 0.2, CUBE, CLOSED)
+    pairs = heat.near_pairs(x, 0.3, CUBE, CLOSED)
+    local = heat.surroundings(pairs, same, 900.0, 0.4, 0.2)
     assert local == pytest.approx(same, rel=1e-15)
     Q, imbalance = heat.radiation(same, local, 0.2, 0.8)
     assert np.abs(Q).max() < 1e-8  # rounding of 900^4 against itself
     T = 900.0 + 100.0 * x[:, 2]
-    local = heat.surroundings(x, T, T, 0.4, 0.2, CUBE, CLOSED)
+    local = heat.surroundings(pairs, T, T, 0.4, 0.2)
     Q, imbalance = heat.radiation(T, local, 0.2, 0.8)
     assert 1e-3 < abs(imbalance) < 0.5
-    lonely = heat.surroundings(
-        np.array([[0.0, 0, 0], [9.0, 9, 9]]), np.array([300.0, 400.0]), 350.0, 0.4, 1.0
-    )
+    far = heat.near_pairs(np.array([[0.0, 0, 0], [9.0, 9, 9]]), 20.0)
+    lonely = heat.surroundings(far, np.array([300.0, 400.0]), 350.0, 0.4, 1.0)
     assert lonely == pytest.approx([350.0, 350.0])  # nobody near: the fluid alone
 
 
@@ -251,10 +251,8 @@ def test_radiation_as_conductances_is_the_slope_of_the_exchange():
     x = np.stack(np.meshgrid(side, side, side), -1).reshape(-1, 3)
     box = (np.zeros(3), np.full(3, 4.0))
     T = 1000.0 + 1e-3 * np.random.default_rng(4).random(64)
-    Q, _ = heat.radiation(
-        T, heat.surroundings(x, T, T, 0.4, 1.0, box, CLOSED), 1.0, 0.7
-    )
     pairs = heat.near_pairs(x, 1.5, box, CLOSED)
+    Q, _ = heat.radiation(T, heat.surroundings(pairs, T, T, 0.4, 1.0), 1.0, 0.7)
     G = heat.radiation_conductance(pairs, 64, 1000.0, 1.0, 0.7, 0.4)
     flow = G * (T[pairs.j] - T[pairs.i])
     linear = np.bincount(pairs.i, flow, 64) - np.bincount(pairs.j, flow, 64)

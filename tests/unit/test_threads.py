@@ -26,15 +26,6 @@ def count_up(begin, end, out):
         out[k] += k
 
 
-@njit(nogil=True)
-def total(begin, end, x):
-    low, high = 0.0, 0.0
-    for k in range(begin, end):
-        low += x[k]
-        high += x[k] * x[k]
-    return low, high
-
-
 @pytest.mark.parametrize("n", [0, 1, 63, 64, 1000, 10_001])
 @pytest.mark.parametrize("number", [1, 2, 3, 7])
 def test_every_element_once(n, number):
@@ -42,17 +33,6 @@ def test_every_element_once(n, number):
     with threads.using(number):
         threads.parallel(count_up, n, out, least=1)
     assert (out == np.arange(n)).all()
-
-
-def test_sums_do_not_depend_on_the_number_of_threads():
-    x = np.random.default_rng(1).normal(size=100_003)
-    found = []
-    for number in (1, 2, 5):
-        with threads.using(number):
-            found.append(threads.sums(total, len(x), x))
-    assert found[0].tobytes() == found[1].tobytes() == found[2].tobytes()
-    assert found[0] == pytest.approx([x.sum(), (x**2).sum()], rel=1e-12)
-    assert (threads.sums(total, 0, x) == 0.0).all()
 
 
 @njit(nogil=True)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.two_fluid.compiled import Array
+from contbed.two_fluid.compiled import Array, Flags
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.linear.cg import (
     QUIET,
@@ -39,7 +39,7 @@ def solve_on_ranks(
     g, halo = grid.geometry, grid.halo
     add_links(g, system)
     x[:] = system.rhs / system.content
-    stiff = (system.links > explicit * system.content).any(axis=1)
+    stiff: Flags = np.asarray((system.links > explicit * system.content).any(axis=1))
     if not halo.any(bool(stiff[halo.cells].any())):
         halo.exchange(x)
         return 0
@@ -83,8 +83,9 @@ def solve_on_ranks(
             *(advance(alpha[k], p[k], q[k], y[k], r[k]) for k in components)
         )
         before, rho = rho, np.where(going, squares, rho)
-        for k in np.flatnonzero(going):
-            p[k][:own] = r[k] + rho[k] / before[k] * p[k][:own]
+        for k in components:
+            if going[k]:
+                p[k][:own] = r[k] + rho[k] / before[k] * p[k][:own]
     for k in components:
         x[mine, k] = scale[k][:own] * y[k]
     halo.exchange(x)
