@@ -134,5 +134,6 @@ def _residual(problem: Any, x: Any) -> str:
     k = int(np.nanargmax(np.nan_to_num(share[worst])))
     return (
         f"the balance of {worst} is missed most, at {z[k]:.3g} m; start from another "
-        "initial.temperature, or refine the mesh by mesh.refine = 1"
+        "initial.temperature, or refine the mesh by mesh.refine = "
+        f"{problem.plan.scene.mesh.refine + 1}"
     )
