@@ -288,26 +288,19 @@ def _rates(
     exchange: float,
     cross: float,
 ) -> list[float]:
-    """Return signed rates [1/m] of the modes of two phases, given as (flux,
-    conductivity) in any order.
+    """Return signed rates l [1/m] of the modes exp(l x) of two phases, given as (flux,
+    conductivity).
     """
-    from contbed.packed_bed.equations.modes import rates
-
     if exchange == 0.0:
         return [flux / d for flux, d in (fluid, solid) if d]
-    (flux, d), (flux_other, d_other) = (fluid, solid) if fluid[0] else (solid, fluid)
-    if flux == 0.0:
-        rate = (
-            (exchange * (d + d_other + 2.0 * cross) / (d * d_other - cross**2)) ** 0.5
-            if d and d_other
-            else 0.0
-        )
-        return [-rate, rate]
-    sign = 1.0 if flux > 0 else -1.0
-    return [
-        sign * rate
-        for rate in rates(abs(flux), sign * flux_other, d, d_other, exchange, cross)
+    (F, d), (G, e) = fluid, solid
+    cubic = [
+        d * e - cross**2,
+        -(d * G + F * e),
+        F * G - exchange * (d + e + 2.0 * cross),
+        exchange * (F + G),
     ]
+    return sorted(np.roots(cubic).real.tolist())
 
 
 def _matters(

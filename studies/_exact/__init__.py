@@ -1,11 +1,11 @@
 """Exact and high-precision reference solutions, under one name."""
 
-from contbed.packed_bed.equations.modes import rates
 from studies._exact.finite_length import finite_length
 from studies._exact.flow import (
     ChannelFlow,
     brinkman_forchheimer_channel,
 )
+from studies._exact.modes import rates
 from studies._exact.packed_bed import fin, schumann, two_temperature_relaxation
 from studies._exact.two_energy import (
     decay_rate,

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike
 from scipy.special import factorial
 
 from contbed.arrays import Array
-from contbed.packed_bed.equations.modes import rates
+from studies._exact.modes import rates
 
 Pair = tuple[Array, Array]
 

@@ -15,8 +15,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contbed.packed_bed.equations.modes import rates
 from studies._exact.finite_length import Pair, directions
+from studies._exact.modes import rates
 
 
 def decay_rate(
