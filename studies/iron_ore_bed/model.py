@@ -171,6 +171,7 @@ def reduce(
         atol=1e-7,
     )
     X = np.maximum(found.y.reshape(3, len(R), -1), 0.0)
-    removed = three.oxygen_removed(tuple(X))
+    left = np.einsum("i,i...->...", three.GAS_PER_IRON, X * X * X)
+    removed = 1.0 - left / sum(three.GAS_PER_IRON)
     share: NDArray[np.float64] = np.array(ore.shares) @ removed
     return share

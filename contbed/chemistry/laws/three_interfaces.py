@@ -160,29 +160,6 @@ def interface_rates(
     return _solve(X, R, gas, at, _three(chosen))
 
 
-def pellet_rates(
-    X: Three, R: Any, gas: Gas, at: Constants, guard: float = GUARD
-) -> Three:
-    """Reducing gas taken at each interface per area of the pellet, v_i [mol/m2/s];
-    see `interface_rates`.
-    """
-    w = interface_rates(X, R, gas, at, guard)
-    return w[0] * X[0] * X[0], w[1] * X[1] * X[1], w[2] * X[2] * X[2]
-
-
-def oxygen_removed(X: Three) -> Any:
-    """Share of the oxygen of Fe2O3 that is gone, 1 - sum_i s_i X_i^3/1.5."""
-    return 1.0 - sum(s * x * x * x for s, x in zip(GAS_PER_IRON, X, strict=True)) / sum(
-        GAS_PER_IRON
-    )
-
-
-def iron_shares(X: Three) -> tuple[Any, Any, Any, Any]:
-    """Shares of the iron in Fe2O3, Fe3O4, FeO and Fe."""
-    core, inner, outer = (x * x * x for x in X)
-    return core, inner - core, outer - inner, 1.0 - outer
-
-
 def plain(value: Any) -> Any:
     """Return the value of a dual number, or a number or array as it is."""
     return getattr(value, "value", value)
