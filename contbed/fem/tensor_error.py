@@ -20,7 +20,7 @@ import scipy.sparse as sp
 
 from contbed.arrays import Array, Integers
 from contbed.fem.elements import Space, lagrange
-from contbed.mesh.grading import of_density
+from contbed.mesh.grading import growing, of_density
 
 # max |(x - 0)(x - 1/p)...(x - 1)| / (p + 1)! on [0, 1]: error of interpolation over
 # h^(p+1) |d^(p+1)T|
@@ -200,8 +200,6 @@ def balanced(ends: Array, factor: Array, tips: Array) -> Array:
     middle, h = 0.5 * (fine[1:] + fine[:-1]), np.diff(fine)
     size = size[np.searchsorted(ends, middle) - 1]
     size[[0, -1]] = np.minimum(size[[0, -1]], tip)
-    for k in range(1, len(size)):
-        size[k] = min(size[k], size[k - 1] + GROWTH * h[k])
-    for k in range(len(size) - 2, -1, -1):
-        size[k] = min(size[k], size[k + 1] + GROWTH * h[k])
+    steps = GROWTH * h
+    size = growing(size, steps[1:], steps[:-1])
     return of_density(fine, 1.0 / size, least=2)

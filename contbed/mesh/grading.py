@@ -193,6 +193,18 @@ def finest(grids: Sequence[Array]) -> Array:
     return of_density(ends, density)
 
 
+def growing(size: Array, steps: Array, steps_back: Array) -> Array:
+    """Return sizes of cells (n,) that grow by no more than `steps` (n - 1,) from each
+    to the next, and by no more than `steps_back` the other way.
+    """
+    size = size.copy()
+    for k, step in enumerate(steps, 1):
+        size[k] = min(size[k], size[k - 1] + step)
+    for k in range(len(size) - 2, -1, -1):
+        size[k] = min(size[k], size[k + 1] + steps_back[k])
+    return size
+
+
 def of_density(
     ends: Array,
     density: Array,

@@ -187,8 +187,10 @@ class Inside:
                         + sum(loadings[name] * slopes[name] / pores for name in sites),
                     )
                 for _ in range(MOST_NEWTON):
-                    parts = {name: loadings[name] / capacity * S / (1.0 + emptier[name] * S)
-                             for name, capacity in sites.items()}  # fmt: skip
+                    parts = {
+                        name: loadings[name] / capacity * S / (1.0 + emptier[name] * S)
+                        for name, capacity in sites.items()
+                    }
                     off: Any = 1.0 + sum(parts.values()) - S
                     fall: Any = (
                         sum(

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -106,9 +107,10 @@ class Pellets:
         inputs = [at.T, at.p, *(at.c[name] for name in self.gases)]
         return with_slopes(lambda values: self.means(values, at), inputs)
 
+    @cached_property
     def basis(self) -> tuple[Array, Array]:
-        """Return the moles of independent reactions (gases, b), and all reactions as
-        sums of them, a (b, reactions).
+        """Moles of independent reactions (gases, b), and all reactions as sums of
+        them, a (b, reactions).
         """
         u, size, vt = np.linalg.svd(self.moles, full_matrices=False)
         rank = int((size > INDEPENDENT * size[0]).sum())
@@ -123,10 +125,10 @@ class Pellets:
         values : (2 + gases, N) temperature, pressure and concentrations at the surface
         """
         points = shells()
-        made, shares = self.basis()
-        xi = self._solved(values, at, made, shares)
-        r, slopes = self._rates(values, xi, at, made)
-        matrix, by_extent = self._matrix(r, slopes, at, made, shares)
+        made, shares = self.basis
+        xi = self._solved(values, at)
+        r, slopes = self._rates(values, xi, at)
+        matrix, by_extent = self._matrix(r, slopes, at)
         N, inputs = values.shape[1], len(values)
         w = points.weights
         # F = K xi/R^2 - w a r: derivatives to the inputs at given extents, then of the
@@ -140,14 +142,12 @@ class Pellets:
         total += np.einsum("i,jbni,nbis->jsn", w[:-1], by_extent[..., :-1], along)
         return self.solids * mean, self.solids * total
 
-    def _rates(
-        self, values: Array, xi: Array, at: Local, made: Array
-    ) -> tuple[Array, Array]:
+    def _rates(self, values: Array, xi: Array, at: Local) -> tuple[Array, Array]:
         """Return rates per volume of pellets (reactions, N, points) and derivatives
         (reactions, inputs, N, points).
         """
         N, inputs, count = values.shape[1], len(values), xi.shape[-1]
-        step = np.einsum("kb,nbi->kni", made / self.diffusivities[:, None], xi)
+        step = np.einsum("kb,nbi->kni", self.scale, xi)
         flat = [np.repeat(row, count) for row in values]
         for k in range(len(self.gases)):
             flat[2 + k] = flat[2 + k] + step[k].ravel()
@@ -182,22 +182,13 @@ class Pellets:
                 slopes[j, k] = np.broadcast_to(tangent, N * count).reshape(N, count)
         return rates / self.solids, slopes / self.solids
 
-    def _matrix(
-        self,
-        r: Array,
-        slopes: Array,
-        at: Local,
-        made: Array,
-        shares: Array,
-    ) -> tuple[Array, Array]:
+    def _matrix(self, r: Array, slopes: Array, at: Local) -> tuple[Array, Array]:
         """Return dF/dxi (N, b n, b n) of points inside, and dr/dxi (reactions, b, N,
         points).
         """
-        points = shells()
+        points, (made, shares) = shells(), self.basis
         N, n, b = r.shape[1], len(points.weights) - 1, made.shape[1]
-        by_extent = np.einsum(
-            "jkni,kb->jbni", slopes[:, 2:], made / self.diffusivities[:, None]
-        )
+        by_extent = np.einsum("jkni,kb->jbni", slopes[:, 2:], self.scale)
         local = np.einsum(
             "i,cj,jbni->ncbi",
             points.weights[:-1],
@@ -213,16 +204,21 @@ class Pellets:
                 matrix[:, c, every, d, every] -= local[:, c, d]
         return matrix.reshape(N, b * n, b * n), by_extent
 
-    def _solved(self, values: Array, at: Local, made: Array, shares: Array) -> Array:
+    @cached_property
+    def scale(self) -> Array:
+        """Concentrations per extent (gases, b)."""
+        return self.basis[0] / self.diffusivities[:, None]
+
+    def _solved(self, values: Array, at: Local) -> Array:
         """Return the extents (N, b, points) of all pellets."""
         N, count = values.shape[1], len(shells().weights)
         if N in self.known:
-            found = self._newton(self.known[N], values, at, made, shares, np.inf)
+            found = self._newton(self.known[N], values, at, np.inf)
             if found is not None:
                 self.known[N] = found
                 return found
-        xi = np.zeros((N, made.shape[1], count))
-        found = self._newton(xi, values, at, made, shares, FIRST_STEP)
+        xi = np.zeros((N, self.scale.shape[1], count))
+        found = self._newton(xi, values, at, FIRST_STEP)
         if found is None:
             raise ConvergenceError(
                 "diffusion and reaction inside of the pellets are not found"
@@ -235,35 +231,33 @@ class Pellets:
         xi: Array,
         values: Array,
         at: Local,
-        made: Array,
-        shares: Array,
         first_step: float,
     ) -> Array | None:
         """Return the extents by Newton's method, with a pseudo time step that grows
         where the first is not infinite; None where it does not converge.
         """
-        points = shells()
+        points, (made, shares) = shells(), self.basis
         dt = np.full(len(xi), first_step)
         N, molar = len(xi), values[1] / (R_GAS * values[0])
         inner = points.stiffness[:-1] / at.radius**2
-        scale = made / self.diffusivities[:, None]
         inside = np.tile(points.weights[:-1], made.shape[1]) / at.radius**2
         every = np.arange(len(inside))
         for _ in range(ITERATIONS if np.isinf(first_step) else MARCHED):
-            r, slopes = self._rates(values, xi, at, made)
+            r, slopes = self._rates(values, xi, at)
             residual = np.einsum("il,nbl->nbi", inner, xi)
             residual -= np.einsum(
                 "i,bj,jni->nbi", points.weights[:-1], shares, r[..., :-1]
             )
-            matrix, _ = self._matrix(r, slopes, at, made, shares)
+            matrix, _ = self._matrix(r, slopes, at)
             matrix[:, every, every] += inside / dt[:, None]
             if not (np.isfinite(matrix).all() and np.isfinite(residual).all()):
                 return None
             step = -np.linalg.solve(matrix, residual.reshape(N, -1, 1)).reshape(
                 residual.shape
             )
-            change = np.einsum("kb,nbi->nki", scale, step)
-            c = values[2:].T[:, :, None] + np.einsum("kb,nbi->nki", scale, xi[..., :-1])
+            change = np.einsum("kb,nbi->nki", self.scale, step)
+            here = np.einsum("kb,nbi->nki", self.scale, xi[..., :-1])
+            c = values[2:].T[:, :, None] + here
             floor = LEAST_SHARE * molar[:, None, None]
             with np.errstate(divide="ignore"):
                 share = np.where(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contbed.arrays import Array
-from contbed.mesh.grading import of_density
+from contbed.mesh.grading import growing, of_density
 from contbed.reacting_bed.problem import Problem
 
 MOST_CELLS = 3000  # of a mesh: ten species have some 100,000 unknowns there
@@ -93,12 +93,7 @@ def regraded(vertices: Array, wanted: Array) -> Array:
     """Return vertices whose cells have about the wanted lengths (of the present
     cells), neighbours alike.
     """
-    wanted = wanted.copy()
-    middle = 0.5 * (vertices[1:] + vertices[:-1])
-    slope = COARSEST - 1.0
     # a cell grows by no more than its distance from a short one allows
-    for k in range(1, len(wanted)):
-        wanted[k] = min(wanted[k], wanted[k - 1] + slope * (middle[k] - middle[k - 1]))
-    for k in range(len(wanted) - 2, -1, -1):
-        wanted[k] = min(wanted[k], wanted[k + 1] + slope * (middle[k + 1] - middle[k]))
+    steps = (COARSEST - 1.0) * np.diff(0.5 * (vertices[1:] + vertices[:-1]))
+    wanted = growing(wanted, steps, steps)
     return of_density(vertices, 1.0 / wanted, least=4, most=MOST_CELLS)

@@ -28,7 +28,7 @@ from contbed.errors import ConvergenceError
 from contbed.fem.line_projection import projected
 from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.unknowns import LEAST_T, Role
-from contbed.reacting_bed.least_amounts import FINE, MISSED
+from contbed.reacting_bed.least_amounts import nearer_to_means, share_above_zero
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage, gas_of_rings, stored_rows
 
@@ -109,20 +109,13 @@ def _above_zero(problem: Problem, held: Array) -> Array:
     sizes = np.append(
         problem.sizes[solids], np.full(len(gases), np.abs(held[gases]).max(initial=0.0))
     )
-    rows, mean = [*solids, *gases], held @ problem.line.weights
-    low, middle = (
-        (held[rows] @ problem.line.basis(np.linspace(0.0, 1.0, FINE)).T).min(axis=2),
-        mean[rows],
-    )
-    wrong = (low < -problem.scene.solver.newton_tolerance * sizes[:, None]) & (
-        middle > 0.0
-    )
-    with np.errstate(all="ignore"):
-        share = np.where(wrong, middle / (MISSED * (middle - low)), 1.0).min(
-            axis=0, initial=1.0
-        )[:, None]
-    nearer = mean[:, :, None] + share * (held - mean[:, :, None])
-    return np.where(share < 1.0, nearer, held)
+    line, rows = problem.line, [*solids, *gases]
+    least = problem.scene.solver.newton_tolerance * sizes
+    share = share_above_zero(line, held[rows], least)
+    share = np.where(held[rows] @ line.weights > 0.0, share, 1.0)
+    share = share.min(axis=0, initial=1.0)
+    nearer = nearer_to_means(line, held, share)
+    return np.where(share[:, None] < 1.0, nearer, held)
 
 
 def _regained(storage: Storage, u: Array, rows: NDArray[np.intp]) -> Array:

@@ -53,11 +53,7 @@ class Section:
         C, D, S = self.bed(values, slopes, x)
         sources = self._parted(S)
         self._exchange(values, sources)
-        return (
-            self._flat(self._parted(C)),
-            self._flat(self._parted(D)),
-            self._flat(sources),
-        )
+        return self._flat(C), self._flat(D), [part for ring in sources for part in ring]
 
     def held(
         self, u: Sequence[Any], by_bed: Callable[[list[Any]], list[Any]]
@@ -65,25 +61,21 @@ class Section:
         """Return the content per volume of bed by equation at points; `by_bed` gives
         that of all rings as of one.
         """
-        return self._flat(self._parted(by_bed(self._joined(u))))
+        return self._flat(by_bed(self._joined(u)))
 
     def convective(self, u: Sequence[Any]) -> list[Any]:
         """Return the convective fluxes of all equations at points."""
-        return self._flat(self._parted(self.bed.convective(self._joined(u))))
+        return self._flat(self.bed.convective(self._joined(u)))
 
     def diffusive(self, u: Sequence[Any], q: Sequence[Any]) -> list[Any]:
         """Return the diffusive fluxes of all equations at points."""
-        return self._flat(
-            self._parted(self.bed.diffusive(self._joined(u), self._joined(q)))
-        )
+        return self._flat(self.bed.diffusive(self._joined(u), self._joined(q)))
 
     def damped(self, u: Sequence[Any], J: Sequence[Any]) -> list[Any]:
         """Return the fluxes of all equations that come with those which damp fields
         in their cells.
         """
-        return self._flat(
-            self._parted(self.bed.damped(self._joined(u), self._joined(J)))
-        )
+        return self._flat(self.bed.damped(self._joined(u), self._joined(J)))
 
     def _joined(self, u: Sequence[Any]) -> list[Any]:
         """Return the unknowns of one ring at the points of all rings, one after the
@@ -131,9 +123,13 @@ class Section:
         length = len(value) // self.rings.count
         return value[ring * length : (ring + 1) * length]
 
-    @staticmethod
-    def _flat(parts: list[list[Any]]) -> list[Any]:
-        return [part for ring in parts for part in ring]
+    def _flat(self, parts: Sequence[Any]) -> list[Any]:
+        """Return values at the points of all rings as those of one ring after another."""
+        return [part for ring in self._parted(parts) for part in ring]
+
+    def _mean(self, value: Any, inner: int, outer: int) -> Any:
+        """Return the mean of values of two rings."""
+        return 0.5 * (self._of_ring(value, inner) + self._of_ring(value, outer))
 
     def _exchange(self, values: list[Any], sources: list[list[Any]]) -> None:
         """Add to the sources of the rings what they gain through their faces and
@@ -164,14 +160,7 @@ class Section:
                 if temperatures:
                     h = {name: bed.enthalpies[name](state.T_fluid) for name in gases}
                     carried: Any = sum(
-                        moved[name]
-                        * (
-                            0.5
-                            * (
-                                self._of_ring(h[name], inner)
-                                + self._of_ring(h[name], outer)
-                            )
-                        )
+                        moved[name] * self._mean(h[name], inner, outer)
                         for name in gases
                     )
                     gained[temperatures[0]] = gained[temperatures[0]] + carried
@@ -215,11 +204,9 @@ class Section:
         slopes, shares, coefficients = {}, {}, {}
         for name, g in state.g.items():
             w, D = g / state.flux, eps * state.rho * dispersion[name]
-            w_a, w_b = self._of_ring(w, inner), self._of_ring(w, outer)
-            slopes[name], shares[name] = w_b - w_a, 0.5 * (w_a + w_b)
-            coefficients[name] = 0.5 * (
-                self._of_ring(D, inner) + self._of_ring(D, outer)
-            )
+            slopes[name] = self._of_ring(w, outer) - self._of_ring(w, inner)
+            shares[name] = self._mean(w, inner, outer)
+            coefficients[name] = self._mean(D, inner, outer)
         masses = self.bed.masses
         common: Any = sum(
             masses[name] * coefficients[name] * slope for name, slope in slopes.items()
