@@ -32,6 +32,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
+from math import pi
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -40,7 +41,9 @@ from pydantic import Discriminator, Field
 from contbed import fields
 from contbed.bubbling_bed.scene import BubblingScene
 from contbed.closures.binding import bind
+from contbed.dem.checks import LOWEST
 from contbed.dem.heat import VORONOI
+from contbed.dem.scene import SOLID_SHARE
 from contbed.errors import SceneError
 from contbed.loading import load
 from contbed.many.cascade.reactor import Reactor, reactor, why_not
@@ -94,6 +97,11 @@ class Packings(Table):
     """of the material, to which contacts are corrected"""
     simulated: Pressure = 1e7
     """Young's modulus with which the packings settle"""
+
+    @property
+    def expected_height(self) -> float:
+        """Height of a settled packing over the diameter, about."""
+        return self.particles * pi / 6.0 / (SOLID_SHARE * self.width**2)
 
 
 class Laws(Table):
@@ -266,6 +274,13 @@ def _note_mistakes(file: StudyFile[Settings], scene: SceneBase) -> None:
             "laws.exchange"
         )
         file.say(("packings", "walls"), text)
+    height = settings.packings.expected_height
+    if height < LOWEST:
+        text = (
+            f"make a bed about {height:.2g} diameters high; {LOWEST:g} are needed: give "
+            "more particles, or a smaller width"
+        )
+        file.say(("packings", "particles"), text)
     for paths in laws.conduction:
         if paths in VORONOI and settings.packings.spread:
             text = (
