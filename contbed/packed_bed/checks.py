@@ -189,18 +189,30 @@ def heat_alone_uses_temperatures(
     boundary: Boundaries,
     region: Mapping[str, s.Region],
     time: s.Time | None,
+    gas: Gas,
 ) -> Mistakes:
-    """Check that no temperatures are given in a scene without [heat]."""
+    """Check that a scene without [heat] has no temperatures but that of the gas which
+    enters, where the properties of the gas depend on it.
+    """
     if heat is not None:
         return
     remedy = "has no meaning without a [heat] table"
     for key in OF_HEAT:
         if key in closures.model_fields_set:
             yield ("closures", key), remedy
+    stream = None if isinstance(gas, GasConstant) else given_velocity(boundary, "fluid")
+    inlet = None if stream is None else stream[0]
     for name, table in boundary.items():
         for phase in PHASES:
-            if table.thermal(phase) is not None:
+            condition = table.thermal(phase)
+            of_gas = (name, phase) == (inlet, "fluid")
+            if condition is not None and not (of_gas and condition.temperature):
                 yield ("boundary", name, *table.key(phase)), remedy
+    if inlet is not None and boundary[inlet].thermal("fluid") is None:
+        yield (
+            ("boundary", inlet, "gas", "temperature"),
+            "is missing: without [heat] the properties of the gas are taken at it",
+        )
     for name in region:
         yield ("region", name), remedy
     if time is not None:
