@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from contbed.closures.binding import bind, is_phase, named
 from contbed.errors import SceneError
@@ -14,6 +14,9 @@ from contbed.scene.checking import Mistakes
 from contbed.scene.tables import Closure
 from contbed.scene.toml_lines import KeyPath, dotted
 
+# surface over volume of particles, times their diameter
+SURFACE: Mapping[str, float] = {"spheres": 6.0, "rods": 4.0}
+_OF_RODS = ("permeability_kuwahara", "permeability_pivem")
 _PACKING = ("eps", "d_p")
 _STREAM = (*_PACKING, "Re", "Pr", "Pe", "T", "k_fluid", "D_bed")
 GIVES: Mapping[str, tuple[str, ...]] = {
@@ -27,6 +30,27 @@ GIVES: Mapping[str, tuple[str, ...]] = {
     "sherwood": (*_PACKING, "Re", "Sc"),
     "mass_dispersion": (*_PACKING, "v", "D_gas"),
 }
+
+
+def surface_diameter(diameter: float, shape: str) -> float:
+    """Return six volumes of a particle over its surface [m]."""
+    return diameter * (6.0 / SURFACE[shape])
+
+
+class Packing(NamedTuple):
+    """What a bed gives a permeability: its porosity and the diameter of its particles
+    [m].
+    """
+
+    eps: float
+    d_p: float
+
+    @classmethod
+    def of(cls, closure: str, eps: float, rod: float, surface: float) -> Packing:
+        """Return the packing for a closure: those of arrays of rods take the diameter
+        of a rod [m], all others six volumes over the surface [m].
+        """
+        return cls(eps, rod if closure in _OF_RODS else surface)
 
 
 def unusable(

@@ -16,6 +16,7 @@ import numpy as np
 
 from contbed.closures import optics
 from contbed.closures.binding import BoundClosure, is_phase, named
+from contbed.closures.packed_beds import SURFACE, Packing, surface_diameter
 from contbed.closures.ranges import RangeUse
 from contbed.materials import Solid
 from contbed.materials.constants import fluid_of
@@ -25,7 +26,6 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import At, all_bound
 from contbed.scene.boundary import conditions_of
 
-_AREA = {"spheres": 6.0, "rods": 4.0}
 # conduction inside counts as d/(10 k_s) in series with the film of spheres
 _INSIDE = {"spheres": 10.0, "rods": 8.0}
 
@@ -111,14 +111,21 @@ class Medium:
         """Specific surface of the packing [1/m]."""
         scene = self.scene
         return (
-            _AREA[scene.solid.shape]
+            SURFACE[scene.solid.shape]
             * (1.0 - scene.packed_bed.porosity)
             / scene.diameter
         )
 
     def packing(self, kind: str) -> float:
         """Return the permeability [m2] or Forchheimer coefficient [1] of the bed."""
-        return float(self._value(getattr(self.scene.closures, kind), kind))
+        scene, spec = self.scene, getattr(self.scene.closures, kind)
+        if not named(spec):
+            return float(spec)
+        closure = self.closures[kind, spec]
+        self.used.add(closure)
+        eps, d = scene.packed_bed.porosity, scene.diameter
+        surface = surface_diameter(d, scene.solid.shape)
+        return float(closure.at(Packing.of(closure.sheet.name, eps, d, surface)))
 
     def mass_flux_scale(self) -> float:
         """Return the density that turns superficial velocity into mass flux [kg/m3]."""

@@ -14,6 +14,7 @@ import numpy as np
 from contbed.chemistry.local import SHARPEST, Local, Smoothing
 from contbed.chemistry.thermo import R_GAS
 from contbed.closures.binding import BoundClosure, is_phase
+from contbed.closures.packed_beds import SURFACE, Packing
 from contbed.closures.ranges import RangeUse
 from contbed.errors import SceneError
 from contbed.materials.curve import Function, function_of
@@ -22,12 +23,16 @@ from contbed.reacting_bed.closures import given, of_bed, of_phase
 from contbed.reacting_bed.equations.unknowns import LEAST_T, State
 from contbed.reacting_bed.gas_properties import Properties
 from contbed.reacting_bed.inlet_series import constant
-from contbed.reacting_bed.streams import Streams, mean_conductivity, sauter_mean
+from contbed.reacting_bed.streams import (
+    Streams,
+    mean_conductivity,
+    mean_diameter,
+    sauter_mean,
+)
 from contbed.reacting_bed.substances import Substances
 
 # share of the speed below which |U| is rounded, so that a change of sign is smooth
 SLOW = 1e-9
-AREA = {"spheres": 6.0, "rods": 4.0}  # surface over volume, times the diameter
 
 
 @dataclass(frozen=True)
@@ -232,7 +237,7 @@ class PhaseMedium(Closures):
     @cached_property
     def area(self) -> float:
         """Specific surface of the particles [1/m]."""
-        return AREA[self.shape] * (1.0 - self.porosity) / self.diameter * self.share
+        return SURFACE[self.shape] * (1.0 - self.porosity) / self.diameter * self.share
 
     @cached_property
     def solids(self) -> float:
@@ -343,7 +348,7 @@ class Medium(Closures):
             scene,
             species,
             *given(scene, of_bed(scene)),
-            sauter_mean(scene.solids),
+            mean_diameter(scene.solids),
             mean_conductivity(scene.solids),
             entering.mean_velocity,
             with_pressure,
@@ -439,13 +444,19 @@ class Medium(Closures):
         velocity to particles.
         """
         properties = properties or Properties(self.scene, self.species, state)
-        K, c_F = (
-            self.value("permeability", properties),
-            self.value("forchheimer", properties),
-        )
+        K, c_F = self.permeability, self.value("forchheimer", properties)
         U = self.slip(state)
         speed = np.abs(U) if not hasattr(U, "tangents") else (U * U + SLOW**2) ** 0.5
         return properties.viscosity * U / K + c_F * state.rho * speed * U / K**0.5
+
+    @cached_property
+    def permeability(self) -> Any:
+        """Permeability of the bed [m2]."""
+        if "permeability" not in self.bound:
+            return self.specs["permeability"]
+        closure, surface = self.bound["permeability"], sauter_mean(self.scene.solids)
+        name = closure.sheet.name
+        return closure.at(Packing.of(name, self.porosity, self.diameter, surface))
 
     def local(self, state: State, small: Smoothing | None = None) -> Local:
         """Return the state as a reaction in the gas sees it."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from contbed.chemistry.thermo import R_GAS
+from contbed.closures.packed_beds import surface_diameter
 from contbed.materials.composition import mole_fractions
 from contbed.materials.curve import Function, function_of
 from contbed.reacting_bed import scene as s
@@ -209,13 +210,30 @@ def shares_of(solids: Mapping[str, s.Solid]) -> dict[str, float]:
     return {name: table.volume_share / total for name, table in solids.items()}
 
 
+def mean_diameter(solids: Mapping[str, s.Solid]) -> float:
+    """Return the mean of the diameters by the surface of each [m]."""
+    return _mean_by_surface(
+        {name: table.diameter for name, table in solids.items()}, solids
+    )
+
+
 def sauter_mean(solids: Mapping[str, s.Solid]) -> float:
     """Return the diameter of spheres with the volume and surface of all [m]."""
-    first, *others = solids.values()
+    diameters = {
+        name: surface_diameter(table.diameter, table.shape)
+        for name, table in solids.items()
+    }
+    return _mean_by_surface(diameters, solids)
+
+
+def _mean_by_surface(
+    diameters: Mapping[str, float], solids: Mapping[str, s.Solid]
+) -> float:
+    first, *others = diameters.values()
     if not others:
-        return first.diameter
+        return first
     return 1.0 / sum(
-        share / solids[name].diameter for name, share in shares_of(solids).items()
+        share / diameters[name] for name, share in shares_of(solids).items()
     )
 
 

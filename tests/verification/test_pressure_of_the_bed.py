@@ -24,6 +24,7 @@ from contbed.packed_bed.pressure import lifted
 from contbed.solvers.linear import Policy
 from contbed.solvers.newton import Options
 from tests.balances import assert_closed
+from tests.refusals import refused
 from tests.scene_text import set_keys
 
 U, EPS, D = 0.5, 0.4, 5e-3
@@ -70,6 +71,80 @@ def test_constant_properties_give_ergun(velocity):
     assert result.qoi["residence_time_s"] == pytest.approx(EPS / U, rel=1e-12)
     p = result.profiles["p [Pa]"]
     assert p[-1 if velocity > 0 else 0] == 0.0 and p.min() >= 0.0
+
+
+def cold(gas, **inlet):
+    """A bed of 1 m without [heat], which a gas passes."""
+    return bed(gas, heat=None, closures={}, boundary={"left": {"gas": inlet}})
+
+
+@pytest.mark.parametrize(
+    ("permeability", "constant", "diameter"),
+    [("ergun", 150, 1.5 * D), ("carman_kozeny", 180, 1.5 * D), ("kuwahara", 144, D)],
+)
+@pytest.mark.parametrize("species", [False, True])
+def test_rods_resist_by_six_volumes_over_their_surface(
+    permeability, constant, diameter, species
+):
+    """That of a long rod is 1.5 d; arrays of rods have their own law on d: 1e-12, and
+    1 % in a bed with species, whose gas expands by as much.
+    """
+    values = cold(CONSTANT, velocity=U)
+    if species:
+        values["model"] = "packed_bed"
+        values["gas"] = {"model": "ideal_gas", "composition": "N2:1", "pressure": 1e5}
+        values["gas"] |= {"viscosity": 1.8e-5, "species": {"N2": {}}}
+        values["packed_bed"]["pressure_drop"] = "ergun"
+        values["boundary"]["left"]["gas"]["temperature"] = 300.0
+    values["closures"] = {"permeability": permeability}
+    values["solids"]["particles"]["shape"] = "rods"
+    result = cb.run(from_dict(values))
+    density = 1.2
+    if species:
+        density = result.qoi["mass_flux_out_kg_m2s"] / U
+    inertia = 1.75 * (1 - EPS) / EPS**3 * density * U**2
+    K = diameter**2 * EPS**3 / (constant * (1 - EPS) ** 2)
+    c_F = 1.75 / (150 * EPS**3) ** 0.5
+    wanted = 1.8e-5 * U / K + c_F * density * U**2 / K**0.5
+    if permeability == "ergun":
+        viscous = 150 * 1.8e-5 * (1 - EPS) ** 2 / EPS**3 * U / diameter**2
+        assert wanted == pytest.approx(viscous + inertia / diameter, rel=1e-12)
+    found = result.qoi["pressure_drop_Pa"]
+    assert found == pytest.approx(wanted, rel=0.01 if species else 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("gas", "temperature", "viscosity", "density"),
+    [
+        # IAPWS: water at 15 degC and 3 bar
+        (
+            {"model": "coolprop", "name": "Water", "pressure": 3e5},
+            288.15,
+            1.1374e-3,
+            999.19,
+        ),
+        # Lemmon and Jacobsen: air at 600 degC; 1 % as gri30 mixes by Wilke's law
+        (
+            {"model": "cantera", "composition": "N2:0.79, O2:0.21"},
+            873.15,
+            3.89e-5,
+            0.4026,
+        ),
+    ],
+)
+def test_without_heat_properties_are_those_at_the_inlet(
+    gas, temperature, viscosity, density
+):
+    if gas["model"] == "coolprop":
+        gas = {**gas, "T_range": [283.15, 293.15]}
+    found = cb.run(from_dict(cold(gas, velocity=U, temperature=temperature)))
+    wanted = pressure_gradient_ergun(u=U, d_p=D, eps=EPS, mu=viscosity, rho=density)
+    assert found.qoi["pressure_drop_Pa"] == pytest.approx(wanted, rel=0.01)
+    refused(
+        r"boundary\.left\.gas\.temperature: is missing: without \[heat\]",
+        from_dict,
+        cold(gas, velocity=U),
+    )
 
 
 @pytest.mark.parametrize("solid", [0.0, [0.0, -0.1]])
