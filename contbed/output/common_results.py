@@ -17,7 +17,7 @@ from scipy.integrate import trapezoid
 
 from contbed.arrays import Array
 
-ALONG = ("x [m]", "z [m]", "height [m]")  # coordinates along the bed
+ALONG = ("x [m]", "y [m]", "z [m]", "r [m]", "height [m]")  # coordinates along the bed
 TIME = "t [s]"
 NAME = "NAME"
 

@@ -15,6 +15,7 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import OF_HEAT, bound, places
 from contbed.packed_bed.corners import prescribed_temperatures_agree_in_corners
 from contbed.packed_bed.inlets import (
+    bed_axis,
     enters,
     given_velocity,
     role,
@@ -58,13 +59,13 @@ from contbed.scene.mesh import SIDE, Mesh, MeshFile, MeshLine
 from contbed.scene.mesh_checks import (
     mesh_file_exists,
     names_exist,
-    positions_lie_in_the_bed,
-    the_line_of_profiles_fits_the_mesh,
+    places_across,
+    positions_along,
 )
 from contbed.scene.quantities import ClosureFile
 from contbed.scene.series import ProfileFile
 from contbed.scene.series_checks import a_cycle_fits_its_series
-from contbed.scene.tables import Solver
+from contbed.scene.tables import Output, Solver
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
 ENTERING = "temperature, or fixed_temperature"
@@ -217,6 +218,15 @@ def heat_alone_uses_temperatures(
         yield ("region", name), remedy
     if time is not None:
         yield ("time",), "needs a [heat] table: the flow is steady"
+
+
+def profiles_lie_in_the_bed(
+    mesh: Mesh, output: Output, boundary: Boundaries, see: See
+) -> Mistakes:
+    """Check that the line of profiles lies within a built-in mesh."""
+    axis = bed_axis(mesh, boundary)
+    yield from positions_along(mesh, output, see, axis)
+    yield from places_across(mesh, output, see, axis)
 
 
 def the_packing_fits_the_bed(
@@ -571,8 +581,7 @@ CHECKS: tuple[Check, ...] = (
     velocities_on_mesh_files_are_vectors,
     mesh_file_exists,
     the_packing_fits_the_bed,
-    positions_lie_in_the_bed,
-    the_line_of_profiles_fits_the_mesh,
+    profiles_lie_in_the_bed,
     gases_make_sense,
     temperatures_lie_in_the_table,
     polynomials_stay_positive,

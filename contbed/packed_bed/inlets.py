@@ -9,6 +9,8 @@ from typing import Any
 
 from contbed.packed_bed import scene as s
 from contbed.scene.mesh import Mesh, MeshFile
+from contbed.scene.mesh_checks import axis_of
+from contbed.scene.series import VelocitySeries
 from contbed.scene.toml_lines import dotted
 
 
@@ -59,6 +61,21 @@ def velocity_vector(
             inward = value if name == low else -value
             return (*still[:axis], inward, *still[axis + 1 :])
     return still
+
+
+def bed_axis(mesh: Mesh, boundary: Mapping[str, s.Boundary]) -> int:
+    """Return the direction along which all streams run; without one, that in which
+    the mesh is long.
+    """
+    found: set[int] = set()
+    for phase in ("fluid", "solid"):
+        name, value = given_velocity(boundary, phase) or ("", 0.0)
+        for each in value.values if isinstance(value, VelocitySeries) else (value,):
+            if isinstance(each, tuple):
+                found |= {k for k, component in enumerate(each) if component}
+            elif each and not isinstance(mesh, MeshFile):
+                found |= {k for k, ends in enumerate(mesh.sides) if name in ends}
+    return found.pop() if len(found) == 1 else axis_of(mesh)
 
 
 def enters(mesh: Mesh, velocity: tuple[float, ...], side: str) -> int | None:

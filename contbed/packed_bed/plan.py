@@ -30,7 +30,7 @@ from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.checks import require_properties
 from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.heat_parts import parts_of_heat
-from contbed.packed_bed.inlets import velocity_vector
+from contbed.packed_bed.inlets import bed_axis, velocity_vector
 from contbed.packed_bed.inside import Inside, inside_of, modes, resolved
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.pressure import lifted
@@ -395,6 +395,8 @@ def plan(scene: s.Scene) -> Plan:
     ]
     grids = [nodes(each, medium, *velocities(each), fronts) for each in targets]
     mesh = mesh_of(target, grids[0] if len(grids) == 1 else _finest_each(grids))
+    if not isinstance(grid, MeshLine):
+        mesh = replace(mesh, axis=bed_axis(grid, written.boundary))
     ends = [
         name
         for name in target.boundary
@@ -415,10 +417,7 @@ def plan(scene: s.Scene) -> Plan:
         name: role_in_flow(target, mesh, name, velocity) for name in mesh.boundaries
     }
     plug = is_plug_flow(target, mesh, conditions, velocity)
-    round_bed = isinstance(scene.mesh, MeshAxisymmetric) or getattr(
-        scene.mesh, "axisymmetric", False
-    )
-    coordinate = "z" if round_bed else "x"
+    coordinate = ("rz" if mesh.axisymmetric else "xyz")[mesh.axis]
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
     built.append(
         (

@@ -12,6 +12,7 @@ from contbed.course.schedule import boundaries_in_time, series_of
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.inlets import (
+    bed_axis,
     enters,
     given_velocity,
     velocity_key,
@@ -68,7 +69,7 @@ def require_flow(scene: s.Scene) -> None:
 
 
 def initial_profiles_fit_the_bed(
-    initial: s.Initial, mesh: Mesh, see: See, origin: Origin
+    initial: s.Initial, mesh: Mesh, boundary: Boundaries, see: See, origin: Origin
 ) -> Mistakes:
     """Check that the files of initial temperatures can be read and lie within the
     bed.
@@ -83,13 +84,12 @@ def initial_profiles_fit_the_bed(
             yield key, str(error)
             continue
         if not isinstance(mesh, MeshFile):
-            yield from outside_of_the_bed(
-                key, given.rows(origin.base), mesh.length, see
-            )
+            extent = mesh.extents[bed_axis(mesh, boundary)]
+            yield from outside_of_the_bed(key, given.rows(origin.base), extent, see)
 
 
 def initial_profiles_reach_both_ends(
-    initial: s.Initial, mesh: Mesh, see: See, origin: Origin
+    initial: s.Initial, mesh: Mesh, boundary: Boundaries, see: See, origin: Origin
 ) -> Mistakes:
     """Look for files of initial temperatures that leave much of the bed at the value
     of their first or last row.
@@ -101,9 +101,8 @@ def initial_profiles_reach_both_ends(
         if not isinstance(given, ProfileFile):
             continue
         rows = given.rows(origin.base)
-        yield from short_of_an_end(
-            initial.key(phase), rows, mesh.length, "temperature", see
-        )
+        extent = mesh.extents[bed_axis(mesh, boundary)]
+        yield from short_of_an_end(initial.key(phase), rows, extent, "temperature", see)
 
 
 def at_each_time(check: Check) -> Check:

@@ -78,12 +78,14 @@ def mesh_file_exists(mesh: Mesh, see: See, origin: Origin) -> Mistakes:
         )
 
 
+def axis_of(mesh: Mesh) -> int:
+    """Return the direction along which a bed is long where no stream tells."""
+    return 1 if isinstance(mesh, MeshAxisymmetric) else 0
+
+
 def positions_lie_in_the_bed(mesh: Mesh, output: Output, see: See) -> Mistakes:
-    """Check that the output positions lie between 0 and the length of a built-in
-    mesh.
-    """
-    if not isinstance(mesh, MeshFile):
-        yield from positions_outside(output, mesh.length, see("mesh.length"))
+    """Check that the output positions lie within a built-in mesh."""
+    yield from positions_along(mesh, output, see, axis_of(mesh))
 
 
 def positions_outside(output: Output, length: float, where: str) -> Mistakes:
@@ -102,6 +104,20 @@ def the_line_of_profiles_fits_the_mesh(
     """Find coordinates of output.across that are too many, too few, or outside of a
     built-in mesh.
     """
+    yield from places_across(mesh, output, see, axis_of(mesh))
+
+
+def positions_along(mesh: Mesh, output: Output, see: See, axis: int) -> Mistakes:
+    """Find output positions outside of a built-in mesh along an axis."""
+    if isinstance(mesh, MeshFile):
+        return
+    extent = mesh.extents[axis]
+    key = "mesh.length" if extent == mesh.length else "mesh.type"
+    yield from positions_outside(output, extent, see(key))
+
+
+def places_across(mesh: Mesh, output: Output, see: See, axis: int) -> Mistakes:
+    """Find coordinates of output.across that do not fit across an axis."""
     if output.across is None:
         return
     path = ("output", "across")
@@ -112,7 +128,6 @@ def the_line_of_profiles_fits_the_mesh(
             f"{mesh.dimension - 1}; see {see('mesh.type')}",
         )
     elif not isinstance(mesh, MeshFile):
-        axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
         extents = [extent for k, extent in enumerate(mesh.extents) if k != axis]
         for index, (place, extent) in enumerate(
             zip(output.across, extents, strict=True)

@@ -28,7 +28,7 @@ from contbed.fem.domain import Domain
 from contbed.fem.elements import lagrange
 from contbed.fem.skfem import System
 from contbed.solvers.linear import Policy
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 
 Array = NDArray[np.float64]
 Function = Callable[..., Any]
@@ -178,7 +178,7 @@ class Manufactured:
         fixed_nodes = np.unique(np.concatenate(nodes))
         state: Array
         state, _ = newton(
-            assemble, start, fixed_nodes, policy, tolerance=1e-8, linear=linear
+            assemble, start, fixed_nodes, policy, Options(tolerance=1e-8), linear
         )
         return state
 

@@ -147,6 +147,38 @@ def test_without_heat_properties_are_those_at_the_inlet(
     )
 
 
+@pytest.mark.parametrize(
+    ("mesh", "axis"),
+    [
+        ({"type": "rectangle", "length": 0.2, "height": 1.0, "cells": [1, 40]}, "y"),
+        (
+            {"type": "box", "length": 0.1, "width": 0.1, "height": 1.0}
+            | {"cells": [1, 1, 40]},
+            "z",
+        ),
+    ],
+)
+def test_profiles_lie_along_the_flow(mesh, axis):
+    """A bed that is crossed from below has the profiles of a line on the same cells,
+    to rounding, and Ergun's pressure drop.
+    """
+    line = bed(CONSTANT)
+    line["mesh"]["cells"] = 40
+    upright = bed(CONSTANT, mesh=mesh)
+    inlet, outlet = line["boundary"]["left"], line["boundary"]["right"]
+    upright["boundary"] = {"bottom": inlet, "top": outlet}
+    for values in (line, upright):
+        values["output"] = {"positions": [0.0, 0.3, 0.95, 0.98, 1.0]}
+    wanted, found = (cb.run(from_dict(values)) for values in (line, upright))
+    for key in ("pressure_drop_Pa", "T_fluid_out_K", "residence_time_s"):
+        assert found.qoi[key] == pytest.approx(wanted.qoi[key], rel=1e-9)
+    assert found.profiles[f"{axis} [m]"].tolist() == wanted.profiles["x [m]"].tolist()
+    for name in ("T_fluid [K]", "T_solid [K]", "p [Pa]"):
+        np.testing.assert_allclose(
+            found.profiles[name], wanted.profiles[name], rtol=1e-6, atol=1e-9
+        )
+
+
 @pytest.mark.parametrize("solid", [0.0, [0.0, -0.1]])
 def test_the_speed_across_the_bed_counts(solid):
     """A stream that crosses the bed at an angle has the drag of its whole speed:
