@@ -36,7 +36,10 @@ _NAMES = (
 )
 # names that runs give to results which a scene may read as well
 RESULTS = re.compile(rf"{_NAMES}|(fields|particles)_\d+\.vtu")
-_REPLACED = re.compile(rf"{_NAMES}|summary\.json|checkpoint\.npz|closure\.toml")
+_PICTURES = r"(profiles|fields|outlet|continuation)\.png|(fields|particles)\.pvd"
+_REPLACED = re.compile(
+    rf"{_NAMES}|{_PICTURES}|summary\.json|checkpoint\.npz|closure\.toml"
+)
 _LEFT = re.compile(rf".+\.[0-9a-f]{{{2 * files.TOKEN}}}\.part")
 _NO_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL}
 
@@ -153,7 +156,7 @@ class RunFolder:
 
         Raises
         ------
-        ContbedError : it is a file that the run reads
+        ContbedError : it is a file that the run reads, or one of others
         """
         if (self.path / name).resolve() in self._read:
             raise ContbedError(
@@ -161,6 +164,7 @@ class RunFolder:
                 "another folder"
             )
         if self._running is not None and name not in (*self.files, SUMMARY):
+            _refuse(self.path, filter(Path.is_file, [self.path / name]))
             self.files.append(name)
             self._say()
 

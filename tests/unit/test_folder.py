@@ -48,7 +48,27 @@ def test_files_of_a_run_belong_together(tmp_path):
     }
 
 
-@pytest.mark.parametrize("name", ["profiles.csv", "summary.json", "fields.vtu"])
+def test_no_file_of_others_is_replaced_whatever_its_name(tmp_path):
+    """Names that follow from the run are seen when it writes them; a run that resumes,
+    and a later one, replace what is theirs.
+    """
+    (tmp_path / "fields_0001.vtu").write_text("mine")
+    said = r"fields_0001\.vtu: not written by a run of contbed"
+    with pytest.raises(ContbedError, match=said):
+        cb.run(loads(TRANSIENT), out=tmp_path)
+    assert (tmp_path / "fields_0001.vtu").read_text() == "mine"
+    assert status(tmp_path) == "output incomplete"
+    assert "fields_0001.vtu" not in read_summary(tmp_path)["files"]
+    (tmp_path / "fields_0001.vtu").unlink()
+    for restart in (None, tmp_path, None):
+        cb.run(loads(TRANSIENT), out=tmp_path, restart=restart)
+        assert "fields_0001.vtu" in read_summary(tmp_path)["files"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["profiles.csv", "summary.json", "fields.vtu", "profiles.png", "fields.pvd"],
+)
 def test_files_of_others_are_not_replaced(tmp_path, name):
     (tmp_path / name).write_text("[]")
     said = rf"{name}: not written by a run of contbed.* another folder by --out"
