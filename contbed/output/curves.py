@@ -23,6 +23,7 @@ LOOKS: dict[str, dict[str, Any]] = {
 PAIRS = (("T_fluid", "T_solid"), ("theta_fluid", "theta_solid"))
 MOST_TIMES = 7  # in one picture
 FLAT = 1e-9  # range over the largest value below which a curve is left out
+HOUR = 3600.0  # [s]
 LABELS = {"K": "$T$ [K]", "1": "mole fraction [1]"}
 
 
@@ -126,8 +127,13 @@ def over_times(
     colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(times)))
     for time, colour in zip(times, colours, strict=True):
         rows = t == time
-        label = f"{name}, {time:.4g} s".removeprefix(", ")
+        label = f"{name}, {_instant(time)}".removeprefix(", ")
         yield Curve(label, x[rows], y[rows], {"color": colour, **look})
+
+
+def _instant(time: float) -> str:
+    """Return a time in seconds, from an hour on in hours."""
+    return f"{time:.4g} s" if time < HOUR else f"{time / HOUR:.4g} h"
 
 
 def history_plot(

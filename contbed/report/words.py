@@ -121,8 +121,8 @@ def following(summary: Mapping[str, Any]) -> Iterator[str]:
         yield "See what the mesh changes: `contbed converge SCENE`."
     if closures:
         yield (
-            "See what the closures leave uncertain: `contbed sensitivities SCENE` "
-            "names the keys that matter."
+            "See what the closures leave uncertain: `contbed sensitivities SCENE "
+            "--qoi RESULT` names the keys that matter."
         )
 
 

@@ -5,7 +5,7 @@ change, no file without a curve.
 import matplotlib.figure
 import numpy as np
 
-from contbed.output.curves import history_plot
+from contbed.output.curves import history_plot, over_times
 
 T = np.linspace(0.0, 10.0, 20)
 
@@ -42,3 +42,9 @@ def test_nothing_that_changes_gives_no_picture(tmp_path):
         tmp_path / "outlet.png", {"t [s]": T, "T_fluid [K]": np.full(20, 300.0)}
     )
     assert not list(tmp_path.iterdir())
+
+
+def test_times_from_an_hour_on_are_in_hours():
+    x, t = np.array([0.0, 1.0] * 3), np.repeat([0.0, 1800.0, 21600.0], 2)
+    assert [curve.name for curve in over_times(x, x, t)] == ["0 s", "1800 s", "6 h"]
+    assert [curve.name for curve in over_times(x, x, t, "bed")][2] == "bed, 6 h"
