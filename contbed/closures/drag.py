@@ -134,6 +134,13 @@ def drag_gidaspow(Re: Value, eps: Value, d_p: Value, mu: Value) -> Value:
     return packed + share * (drag_wen_yu(Re, eps, d_p, mu) - packed)
 
 
+def joined(below: Value, above: Value, s: Value, at: float) -> Value:
+    """Return one piece of a closure below a solids fraction and another above it, joined
+    by a logistic step.
+    """
+    return below + (above - below) / (1.0 + np.exp((at - s) / (_JOINT * at)))
+
+
 @closure(
     kind="drag",
     ranges={"Re": (0, _INF), "eps": (0.41, 1), "filter_froude": (0, 33)},
@@ -167,19 +174,15 @@ def drag_igci(
     2636.6
     """
     s = np.maximum(1 - eps, _DILUTEST)
-    h = 2.7 * s**0.234
-    h = h + (0.963 - 0.019 * s**-0.455 - h) / (
-        1.0 + np.exp((0.0012 - s) / (_JOINT * 0.0012))
-    )
+    h = joined(2.7 * s**0.234, 0.963 - 0.019 * s**-0.455, s, 0.0012)
     thin = 0.868 * np.exp(-0.38 * s) - 0.176 * np.exp(-119.2 * s)
-    h = h + (thin - h) / (1.0 + np.exp((0.014 - s) / (_JOINT * 0.014)))
+    h = joined(h, thin, s, 0.014)
     thick = 0.852 * np.exp(-0.268 * s) - 4.59e-5 * np.exp(19.75 * s)
-    h = h + (thick - h) / (1.0 + np.exp((0.25 - s) / (_JOINT * 0.25)))
+    h = joined(h, thick, s, 0.25)
     dense = (s - 0.59) * (-1501.0 * s**3 + 2203.0 * s**2 - 1054.0 * s + 162.0)
-    h = h + (dense - h) / (1.0 + np.exp((0.455 - s) / (_JOINT * 0.455)))
+    h = joined(h, dense, s, 0.455)
     h = h / (1.0 + np.exp((s - 0.59) / (_JOINT * 0.59)))
-    g = s**0.24 * (1.48 + np.exp(-18.0 * s))
-    g = g + (1.0 - g) / (1.0 + np.exp((0.18 - s) / (_JOINT * 0.18)))
+    g = joined(s**0.24 * (1.48 + np.exp(-18.0 * s)), 1.0, s, 0.18)
     filtered = filter_froude**1.6
     return drag_wen_yu(Re, eps, d_p, mu) * (1.0 - filtered / (filtered + 0.4) * g * h)
 

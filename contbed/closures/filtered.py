@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.closures.drag import drag_wen_yu
+from contbed.closures.drag import drag_wen_yu, joined
 from contbed.closures.registry import Value, closure
 
 _MILIOLI = (
@@ -38,9 +38,6 @@ _WIDTH = 2e-3
 _CUT = 0.018
 _NO_ROOM = 1e-12  # solids fraction that counts as none, so that its powers have a slope
 _LARGEST = 0.999  # H at most, so that drag stays positive
-# width of the steps of the filtered stress, as a share of the solids fraction where its
-# pieces meet
-_JOINT = 0.01
 _FREE = 0.59  # solids fraction above which there is no room for clusters
 # Milioli et al., one row for each size F of the filter: F, k0 to k5, o0 to o3: H_lin =
 # (k0 + k1 v + (k2 v + k3)/(k4 v + k5)) eps_s + o0 + o1 v - o2/(o3 v + 0.01) A, p, B, q,
@@ -199,15 +196,11 @@ def granular_pressure_igci(
     s = eps_s + 0.0 * (g0 + e)
     kinetic = -10.4 * s**2 + 0.31 * s
     thin = -0.185 * s**3 + 0.066 * s**2 - 0.000183 * s + 0.00232
-    kinetic = kinetic + (thin - kinetic) / (
-        1.0 + np.exp((0.0131 - s) / (_JOINT * 0.0131))
-    )
+    kinetic = joined(kinetic, thin, s, 0.0131)
     thick = -0.00978 * s + 0.00615
-    kinetic = kinetic + (thick - kinetic) / (1.0 + np.exp((0.29 - s) / (_JOINT * 0.29)))
+    kinetic = joined(kinetic, thick, s, 0.29)
     packed = -0.00978 * 0.595 + 0.00615
-    kinetic = kinetic + (packed - kinetic) / (
-        1.0 + np.exp((0.595 - s) / (_JOINT * 0.595))
-    )
+    kinetic = joined(kinetic, packed, s, 0.595)
     size = 0.48 * filter_froude**0.86 * (1.0 - np.exp(-filter_froude / 1.4))
     clusters = size * np.maximum(_FREE - s, 0.0) * s * (1.69 + 4.61 * s - 11.0 * s**2)
     return kinetic + clusters
@@ -254,13 +247,11 @@ def granular_viscosity_igci(
     s = eps_s + 0.0 * (g0 + e + kinetic)
     theory = 1720.0 * s**4 - 215.0 * s**3 + 9.81 * s**2 - 0.207 * s + 0.00254
     thin = 2.72 * s**4 - 1.55 * s**3 + 0.329 * s**2 - 0.0296 * s + 0.00136
-    theory = theory + (thin - theory) / (1.0 + np.exp((0.02 - s) / (_JOINT * 0.02)))
+    theory = joined(theory, thin, s, 0.02)
     thick = -0.0128 * s**3 + 0.0107 * s**2 - 0.0005 * s + 0.000335
-    theory = theory + (thick - theory) / (1.0 + np.exp((0.2 - s) / (_JOINT * 0.2)))
+    theory = joined(theory, thick, s, 0.2)
     packed = -0.0128 * 0.6095**3 + 0.0107 * 0.6095**2 - 0.0005 * 0.6095 + 0.000335
-    theory = theory + (packed - theory) / (
-        1.0 + np.exp((0.6095 - s) / (_JOINT * 0.6095))
-    )
+    theory = joined(theory, packed, s, 0.6095)
     size = 0.37 * filter_froude**1.22 / (0.28 * filter_froude**0.43 + 1.0)
     clusters = size * np.maximum(_FREE - s, 0.0) * s * (1.22 + 0.7 * s + 2.0 * s**2)
     return terminal_froude * (theory + clusters)
