@@ -34,6 +34,7 @@ from contbed.scene.toml_lines import (
     parse_key,
     read,
 )
+from contbed.scene.values import at
 
 _Table = TypeVar("_Table", bound=BaseModel)
 _STUDY = "a study; run it with `contbed {} FILE`, which checks it first"
@@ -170,7 +171,7 @@ def _build(
         from contbed.explain.closure_keys import right_keys
 
         problems = [
-            (path, text + right_keys(model, path, _value(values, path)))
+            (path, text + right_keys(model, path, at(values, path)))
             for path, text in problems
         ]
         problems.sort(key=lambda problem: origin.line(problem[0]))
@@ -363,7 +364,7 @@ def _translate(
     """
     path, node = _locate(error["loc"], root)
     kind, context = error["type"], error.get("ctx", {})
-    found = _value(values, path)
+    found = at(values, path)
     if kind == "extra_forbidden":
         known = schema.keys(_locate(error["loc"][:-1], root)[1])
         return path, f"unknown key; {nearest(str(path[-1]), known)}"
@@ -445,22 +446,13 @@ def _locate(
     return path, node
 
 
-def _value(values: Any, path: KeyPath) -> Any:
-    for key in path:
-        try:
-            values = values[key]
-        except (KeyError, IndexError, TypeError):
-            return None
-    return values
-
-
 def _line(origin: Origin, values: dict[str, Any], path: KeyPath, text: str) -> str:
     return one_line(f"{origin.at(path)}: {_about(values, path, text)}")
 
 
 def _about(values: dict[str, Any], path: KeyPath, text: str) -> str:
     """Return what is wrong with a key behind its name and value."""
-    value = _value(values, path)
+    value = at(values, path)
     shown = "" if value is None or isinstance(value, dict) else f" = {_shown(value)}"
     return f"{dotted(path)}{shown}: {text}"
 

@@ -4,18 +4,25 @@ from __future__ import annotations
 
 from typing import Any
 
-from contbed.scene.toml_lines import parse_key
+from contbed.scene.toml_lines import KeyPath, parse_key
 
 
 def value_at(scene: Any, key: str) -> Any:
     """Return the value of a dotted key; None where there is none."""
-    for step in parse_key(key):
-        scene = (
-            scene.get(step)
-            if isinstance(scene, dict)
-            else getattr(scene, str(step), None)
-        )
-    return scene
+    return at(scene, parse_key(key))
+
+
+def at(part: Any, path: KeyPath) -> Any:
+    """Return what is at a path in a scene, a table or a list; None where there is
+    nothing.
+    """
+    for step in path:
+        try:
+            inside = isinstance(part, dict | list | tuple)
+            part = part[step] if inside else getattr(part, str(step))
+        except (KeyError, IndexError, TypeError, AttributeError):
+            return None
+    return part
 
 
 def with_value(part: Any, path: tuple[Any, ...], value: Any) -> Any:

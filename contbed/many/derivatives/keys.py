@@ -22,7 +22,7 @@ from contbed.scene.names import near_names
 from contbed.scene.quantities import Table
 from contbed.scene.tables import Closure, SceneBase, from_library
 from contbed.scene.toml_lines import KeyPath, dotted, parse_key
-from contbed.scene.values import with_value
+from contbed.scene.values import at, with_value
 
 NUMERICAL_TABLES = ("solver", "output")
 NUMERICAL_KEYS = (
@@ -67,7 +67,7 @@ class Key:
         taken at it follow.
         """
         if self.path[-1] == "material_temperature":
-            table = _at(scene, self.path[:-1])
+            table = at(scene, self.path[:-1])
             if getattr(table, "material", None) is not None:
                 again: SceneBase = with_value(
                     scene, self.path[:-1], _at_temperature(table, value)
@@ -93,13 +93,15 @@ def key(scene: SceneBase, name: str) -> Key:
         )
     where = scene.origin.at(path)
     root = schema.of(model_of(scene).scene)
-    value, problem = _at(scene, path), None
+    ways = [way for node in schema.at(root, path) for way in schema.options(node)]
+    is_switch = any(way.get("type") == "boolean" for way in ways)
+    value, problem = at(scene, path), None
     if isinstance(value, Table | dict):
         problem = (
             "is a table; give one of its keys: "
             f"{', '.join(_below(value)) or 'it has none'}"
         )
-    elif isinstance(value, bool) or (value is None and _is_switch(root, path)):
+    elif isinstance(value, bool) or (value is None and is_switch):
         problem = "is true or false and has no derivative"
     elif isinstance(value, int):
         problem = (
@@ -107,14 +109,9 @@ def key(scene: SceneBase, name: str) -> Key:
             "contbed sweep"
         )
     elif isinstance(value, str):
-        closure = any(
-            schema.is_closure(way)
-            for node in schema.at(root, path)
-            for way in schema.options(node)
-        )
         remedy = (
             "give a number or a closure's parameters, {name = ..., a = ...}"
-            if closure
+            if any(map(schema.is_closure, ways))
             else "use contbed sweep"
         )
         problem = f'is "{value}", a choice or a name, and has no derivative; {remedy}'
@@ -125,7 +122,7 @@ def key(scene: SceneBase, name: str) -> Key:
             else "is an empty list"
         )
     elif value is None:
-        if schema.at(root, path):
+        if ways:
             problem = (
                 "is not given in the scene, so that it has no value to change; "
                 "give it in the scene"
@@ -187,7 +184,7 @@ def _numbers(part: Any, above: KeyPath) -> Iterator[tuple[KeyPath, float]]:
         given: dict[Any, Any] = {
             name: getattr(part, name)
             for name in type(part).model_fields
-            if _gives(part, name)
+            if name in part.model_fields_set
         }
         given |= extra
     elif isinstance(part, dict):
@@ -204,21 +201,9 @@ def _numbers(part: Any, above: KeyPath) -> Iterator[tuple[KeyPath, float]]:
             yield from _numbers(value, path)
 
 
-def _gives(table: Table, name: str) -> bool:
-    return name in table.model_fields_set
-
-
 def _is_numerical(path: KeyPath) -> bool:
     return path[0] in NUMERICAL_TABLES or any(
         step in NUMERICAL_KEYS for step in path if isinstance(step, str)
-    )
-
-
-def _is_switch(root: schema.Node, path: KeyPath) -> bool:
-    return any(
-        way.get("type") == "boolean"
-        for node in schema.at(root, path)
-        for way in schema.options(node)
     )
 
 
@@ -236,7 +221,7 @@ def _key(scene: SceneBase, path: KeyPath, value: float) -> Key:
         for name, is_open in _UPPER.items():
             if name in option and option[name] <= high:
                 high, high_is_open = float(option[name]), is_open
-    parent = _at(scene, path[:-1])
+    parent = at(scene, path[:-1])
     if isinstance(parent, Closure):
         interval = _parameter_interval(parent.name, str(path[-1]))
         if interval is not None:
@@ -258,24 +243,6 @@ def _parameter_interval(closure: str, parameter: str) -> Any:
             if found is not None:
                 return found
     return None
-
-
-def _at(part: Any, path: KeyPath) -> Any:
-    """Return the value at a path; None where there is none."""
-    for step in path:
-        if isinstance(step, int):
-            part = (
-                part[step]
-                if isinstance(part, list | tuple) and step < len(part)
-                else None
-            )
-        else:
-            part = (
-                part.get(step) if isinstance(part, dict) else getattr(part, step, None)
-            )
-        if part is None:
-            return None
-    return part
 
 
 def _path(name: str) -> KeyPath | None:

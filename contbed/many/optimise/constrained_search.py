@@ -106,6 +106,14 @@ class Optimum:
         """Whether the constraints and the first-order conditions hold."""
         return self.feasible and self.residual <= FIRST_ORDER
 
+    def beats(self, other: Optimum) -> bool:
+        """Return whether this point is to be preferred: that which keeps the
+        constraints, then that with the lower value.
+        """
+        if self.feasible and other.feasible:
+            return bool(self.values[0] < other.values[0])
+        return self.excess < other.excess
+
 
 @dataclass
 class _Scaled:
@@ -184,7 +192,8 @@ def minimise(functions: Functions, start: Array) -> Optimum:
             continue
         if not found.feasible and not best.feasible and not found.excess < best.excess:
             break
-        better = _is_better(found, best)
+        both = found.feasible and best.feasible
+        better = found.beats(best) or (both and found.converged > best.converged)
         best = found if better else best
         at_edge = reach < 1.0 and np.abs(z - centre).max() >= reach * (1.0 - AT_BOUND)
         if best.converged and not at_edge:
@@ -219,14 +228,6 @@ def _step_back(scaled: _Scaled, remarks: list[str]) -> tuple[Array, float]:
         f"{scaled.reason}"
     )
     return scaled.last, reach
-
-
-def _is_better(one: Optimum, other: Optimum) -> bool:
-    if not (one.feasible and other.feasible):
-        return one.excess < other.excess
-    return bool(one.values[0] < other.values[0]) or (
-        one.converged and not other.converged
-    )
 
 
 def _search(scaled: _Scaled, z: Array, reach: float) -> Array:

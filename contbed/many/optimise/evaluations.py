@@ -199,9 +199,8 @@ class Evaluations:
         values = self.design.values_at(point) | {
             name: float(qoi[name]) for name in self.design.results
         }
-        sign = -1.0 if self.design.maximise else 1.0
         return [
-            sign * self.design.objective(values),
+            self.design.sign * self.design.objective(values),
             *(one.excess(values) for one in self.design.constraints),
         ]
 
@@ -236,11 +235,10 @@ class Evaluations:
         if self.design.results:
             slopes |= self._gradient(at, names)
         values = named_values(self.design, at)
-        sign = -1.0 if self.design.maximise else 1.0
         parts = [one.derivatives(values) for one in self.design.constraints]
         rows = [
             {
-                name: sign * slope
+                name: self.design.sign * slope
                 for name, slope in self.design.objective.derivatives(values).items()
             },
             *parts,
@@ -315,13 +313,9 @@ class Slice:
     held: Array
 
     def __post_init__(self) -> None:
-        keys = [self.evaluations.design.keys[k] for k in self.chosen]
-        self.low = np.array([key.low for key in keys])
-        self.high = np.array([key.high for key in keys])
-        self.equality = np.array(
-            [one.sign == "==" for one in self.evaluations.design.constraints],
-            dtype=bool,
-        )
+        design = self.evaluations.design
+        self.low, self.high = design.low[self.chosen], design.high[self.chosen]
+        self.equality = design.equality
 
     def point(self, x: Array) -> Array:
         """Return all keys (keys,) where those chosen have the values x."""

@@ -87,9 +87,7 @@ def write_table(folder: Path, design: Design, rows: Sequence[Evaluation]) -> Non
 
 
 def _signs(design: Design) -> Any:
-    return np.array(
-        [-1.0 if design.maximise else 1.0, *np.ones(len(design.constraints))]
-    )
+    return np.array([design.sign, *np.ones(len(design.constraints))])
 
 
 def _unit(unit: str) -> str:

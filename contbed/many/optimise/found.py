@@ -78,7 +78,7 @@ def found_at(
             NOT_CONVERGED, why, best, None, np.zeros(m), np.zeros(n), np.zeros(m, bool), None, remarks
         )  # fmt: skip
     evaluation = evaluations.at(point)
-    sign = -1.0 if design.maximise else 1.0
+    sign = design.sign
     bound_prices = np.zeros(n)
     bound_prices[rest] = sign * optimum.bound_prices
     slopes = np.full((1 + m, n), np.nan)
@@ -127,9 +127,11 @@ def best_of(evaluations: Sequence[Evaluation], design: Design) -> Evaluation:
     its constraints least.
     """
     computed = [one for one in evaluations if one.functions is not None]
-    equality = np.array([one.sign == "==" for one in design.constraints], dtype=bool)
     missed = np.array(
-        [np.where(equality, np.abs(one.values[1:]), one.values[1:]) for one in computed]
+        [
+            np.where(design.equality, np.abs(one.values[1:]), one.values[1:])
+            for one in computed
+        ]
     )
     size = np.abs(missed).max(axis=0, initial=0.0)
     size[size == 0.0] = 1.0

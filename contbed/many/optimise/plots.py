@@ -28,7 +28,6 @@ def plot(path: Path, design: Design, found: Found, rows: Sequence[Evaluation]) -
     computed = np.array([row.functions is not None for row in rows])
     functions = np.full((len(rows), 1 + len(design.constraints)), np.nan)
     functions[computed] = [row.values for row in rows if row.functions is not None]
-    sign = -1.0 if design.maximise else 1.0
     panels = 2 + bool(design.constraints)
     with styled_figure(path, 1.0 + 2.3 * panels, design.title) as figure:
         axes = figure.subplots(panels, 1, sharex=True)
@@ -36,7 +35,7 @@ def plot(path: Path, design: Design, found: Found, rows: Sequence[Evaluation]) -
             axes[0],
             design,
             numbers,
-            sign * functions[:, 0],
+            design.sign * functions[:, 0],
             _feasible(design, functions),
         )
         _keys(axes[1], design, numbers, rows)
@@ -61,8 +60,7 @@ def _feasible(design: Design, functions: Array) -> Flags:
     of each.
     """
     excess = functions[:, 1:].copy()
-    equality = [one.sign == "==" for one in design.constraints]
-    excess[:, equality] = np.abs(excess[:, equality])
+    excess[:, design.equality] = np.abs(excess[:, design.equality])
     size = np.nanmax(np.abs(excess), axis=0, initial=0.0)
     found: Flags = (excess <= 1e-6 * size).all(axis=1) & np.isfinite(functions[:, 0])
     return found

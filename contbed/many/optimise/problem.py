@@ -27,7 +27,7 @@ from typing import Literal
 
 import numpy as np
 
-from contbed.arrays import Array
+from contbed.arrays import Array, Flags
 from contbed.errors import SceneError
 from contbed.fields import behind
 from contbed.loading import load
@@ -104,6 +104,26 @@ class Design:
     def start(self) -> Array:
         """The values to begin with, (keys,)."""
         return np.array([key.start for key in self.keys])
+
+    @property
+    def low(self) -> Array:
+        """The lower bounds, (keys,)."""
+        return np.array([key.low for key in self.keys])
+
+    @property
+    def high(self) -> Array:
+        """The upper bounds, (keys,)."""
+        return np.array([key.high for key in self.keys])
+
+    @property
+    def equality(self) -> Flags:
+        """Which constraints are equalities, (constraints,)."""
+        return np.array([one.sign == "==" for one in self.constraints], dtype=bool)
+
+    @property
+    def sign(self) -> float:
+        """What the objective is multiplied by to become small: -1 to maximise it."""
+        return -1.0 if self.maximise else 1.0
 
     @property
     def results(self) -> tuple[str, ...]:

@@ -53,13 +53,9 @@ def least_misses(design: Design, excess: Array, slopes: Array) -> Array:
     """Return by how much constraints (m,) are missed at best, for linear ones with
     slopes (m, keys); 0 if they hold.
     """
-    low, high = (
-        np.array([getattr(key, name) for key in design.keys]) - design.start
-        for name in ("low", "high")
-    )
-    ends = np.stack([slopes * low, slopes * high])
+    steps = design.low - design.start, design.high - design.start
+    ends = np.stack([slopes * step for step in steps])
     least = excess + ends.min(axis=0).sum(axis=1)
     most = excess + ends.max(axis=0).sum(axis=1)
-    equality = np.array([one.sign == "==" for one in design.constraints], dtype=bool)
-    found: Array = np.where(equality, np.maximum(least, -most), least)
+    found: Array = np.where(design.equality, np.maximum(least, -most), least)
     return np.maximum(found, 0.0)

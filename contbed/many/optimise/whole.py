@@ -51,7 +51,7 @@ def best_choice(
     def attempt(choice: Choice) -> bool:
         nonlocal best
         found = tried[choice] = search(choice, best[1] if best else None)
-        better = found is not None and (best is None or is_better(found, best[1]))
+        better = found is not None and (best is None or found.beats(best[1]))
         if found is not None and better:
             best = choice, found
         return better
@@ -71,15 +71,6 @@ def best_choice(
             untried = [one for one in _neighbours(best[0], ranges) if one not in tried]
             better = any([attempt(one) for one in untried])  # noqa: C419 - each neighbour is tried
     return None if best is None else Best(*best, len(tried), count == len(tried))
-
-
-def is_better(one: Optimum, other: Optimum) -> bool:
-    """Return whether one point is to be preferred: that which keeps the constraints,
-    then that with the lower value.
-    """
-    if one.feasible and other.feasible:
-        return bool(one.values[0] < other.values[0])
-    return one.feasible or (not other.feasible and one.excess < other.excess)
 
 
 def _neighbours(choice: Choice, ranges: Sequence[tuple[int, int]]) -> Iterator[Choice]:

@@ -22,7 +22,6 @@ from contbed.many.optimise.found import (
     best_of,
     infeasible,
 )
-from contbed.many.optimise.problem import Design
 from contbed.many.optimise.surrogate import (
     Known,
     Surrogate,
@@ -51,7 +50,7 @@ def search(evaluations: Evaluations) -> Found:
     verdict, out_of_runs = "", False
     try:
         for z in first_points(FIRST * len(design.keys), steps):
-            evaluations.at(_point(design, z))
+            evaluations.at(design.low + z * (design.high - design.low))
         verdict = _improve(evaluations, steps)
     except OutOfRuns:
         out_of_runs = True
@@ -74,7 +73,7 @@ def _improve(evaluations: Evaluations, steps: list[float]) -> str:
         least = _least(known, surrogate)
         nothing = proposal.promise < (least if proposal.feasible else UNLIKELY)
         idle = idle + 1 if nothing else 0
-        evaluations.at(_point(design, proposal.z))
+        evaluations.at(design.low + proposal.z * (design.high - design.low))
         if idle >= PATIENCE:
             unit = behind(design.objective.unit)
             if not proposal.feasible:
@@ -91,30 +90,18 @@ def _least(known: Known, surrogate: Surrogate) -> float:
     return float(max(PROMISE * np.ptp(values), OF_ERROR * surrogate.errors[0]))
 
 
-def _point(design: Design, z: Array) -> Array:
-    low, span = (
-        np.array([getattr(key, name) for key in design.keys])
-        for name in ("low", "span")
-    )
-    found: Array = np.clip(low + z * span, low, low + span)
-    return found
-
-
 def known_of(evaluations: Evaluations) -> Known:
     """Return all points that were computed, scaled, with the variance of their
     means.
     """
     design, rows = evaluations.design, evaluations.rows
-    low, span = (
-        np.array([getattr(key, name) for key in design.keys])
-        for name in ("low", "span")
-    )
+    points = np.array([row.point for row in rows])
     failed = np.full(1 + len(design.constraints), np.nan)
     values = np.array(
         [failed if row.functions is None else row.functions for row in rows]
     )
     return Known(
-        (np.array([row.point for row in rows]) - low) / span,
+        (points - design.low) / (design.high - design.low),
         values,
         variance_of_means(rows, len(failed)),
     )
@@ -154,11 +141,10 @@ def _found(evaluations: Evaluations, verdict: str, out_of_runs: bool) -> Found:
     best_row, feasible = best_known(known, surrogate)
     best, z = evaluations.rows[best_row], known.z[best_row : best_row + 1]
     mean, error = (one[0] for one in surrogate.predict(z))
-    sign = -1.0 if design.maximise else 1.0
     unit = behind(design.objective.unit)
     reason = ", as results scatter" if model_of(design.scene).scatters else ""
     there = (
-        f"{design.objective.text} there {sign * mean[0]:.5g}{unit} +- "
+        f"{design.objective.text} there {design.sign * mean[0]:.5g}{unit} +- "
         f"{error[0]:.2g}{unit}"
     )
     how = f"by Gaussian processes{reason}: {there}"
@@ -184,5 +170,5 @@ def _found(evaluations: Evaluations, verdict: str, out_of_runs: bool) -> Found:
         None,
         (),
         errors,
-        np.array([sign * mean[0], *mean[1:]]),
+        np.array([design.sign * mean[0], *mean[1:]]),
     )

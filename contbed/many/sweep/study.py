@@ -46,7 +46,8 @@ from contbed.many.study_file import StudyFile, relocated, unit_of
 from contbed.scene.identity import resolved
 from contbed.scene.quantities import Switch, Table, Whole
 from contbed.scene.tables import SceneBase
-from contbed.scene.toml_lines import KeyPath, one_line, parse_key
+from contbed.scene.toml_lines import KeyPath, one_line
+from contbed.scene.values import value_at
 
 Point = dict[str, Any]  # value by key of the scene
 _VALUES = (value_sets.is_values, value_sets.values)
@@ -305,7 +306,7 @@ def _cases(
                     known.append(told)
         else:
             found = resolved(loaded)
-            case = case_of(loaded, {name: _at(found, name) for name in values})
+            case = case_of(loaded, {name: value_at(found, name) for name in values})
             cases.setdefault(case.name, case)
             order.append(case.name)
     if problems:
@@ -321,10 +322,3 @@ def _cases(
 
 def _shown(values: Mapping[str, Any]) -> str:
     return one_line(", ".join(f"{name} = {value}" for name, value in values.items()))
-
-
-def _at(values: Any, name: str) -> Any:
-    """Return the value of a key; None where the scene leaves it out."""
-    for key in parse_key(name):
-        values = values.get(str(key)) if isinstance(values, dict) else None
-    return values
