@@ -26,6 +26,7 @@ from contbed.cli.terminal import (
     overrides_of,
     resume,
     usual_engine,
+    warn,
 )
 
 RetryFailed = Annotated[
@@ -79,8 +80,7 @@ def sweep(
     done = run_all(
         study, folder, jobs, scheduler, retry_failed, quiet, trust, allow_large
     )
-    for text in done.warnings:
-        complain(f"warning: {text}")
+    warn(done.warnings)
     for text in done.failures():
         complain(text)
     if done.study.sample is not None:
@@ -89,8 +89,7 @@ def sweep(
 
         found = write_uncertainty(done.study, done.rows, folder)
         if found is not None:
-            for text in found.warnings:
-                complain(f"warning: {text}")
+            warn(found.warnings)
             print(table(found))
     finished = len(done.rows) - len(done.failed)
     print(
@@ -225,10 +224,9 @@ def optimise(
         quiet,
         trust,
         allow_large,
-        lambda text: complain(f"warning: {text}"),
+        lambda text: warn([text]),
     )
-    for text in done.found.remarks:
-        complain(f"warning: {text}")
+    warn(done.found.remarks)
     if not quiet:
         print(done.text())
     print(f"{done.found.status}: {done.found.why}")
@@ -263,8 +261,7 @@ def cascade(
     folder = out or Path("results") / file.stem
     resume[:] = [(folder / "particles", 0.0, "the same command")]
     done = compute(file, folder, retry_failed, quiet, trust, allow_large)
-    for text in done.warnings:
-        complain(f"warning: {text}")
+    warn(done.warnings)
     if not quiet:
         print(done.text())
     print(f"{done.runs} runs, {done.before} were before; results are in {folder}")
@@ -299,8 +296,7 @@ def calibrate(
     found = command.calibrate(
         data, folder, jobs, retry_failed, quiet, trust, allow_large
     )
-    for text in found.warnings:
-        complain(f"warning: {text}")
+    warn(found.warnings)
     print(table(found))
     print(
         f"{found.runs} runs, {found.before} were before, {len(found.failed)} failed; "

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -124,3 +125,9 @@ def complain(text: str) -> None:
     """
     if not any(os.environ.get(name, "0").strip("0") for name in RANK):
         print(text, file=sys.stderr)
+
+
+def warn(texts: Iterable[str]) -> None:
+    """Print warnings on stderr."""
+    for text in texts:
+        complain(f"warning: {text}")

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 import contbed as cb
 from contbed.many.calibrate.calibrate import FILE, calibrate
 from contbed.many.calibrate.experiments import Point, read_jobs
-from contbed.many.calibrate.fit import fit
+from contbed.many.calibrate.fit import Problem, fit
 from contbed.many.calibrate.found import Prediction, data_of
 from contbed.many.calibrate.model import SceneModel
 from contbed.many.calibrate.plots import _curves
@@ -280,7 +280,7 @@ def test_intervals_of_a_scene_hold_the_keys_in_nine_of_ten_repetitions(folder):
     measured, held = data_of(model.points), np.zeros(2)
     for _ in range(200):
         values = measured.value + measured.error * random.standard_normal(3)
-        found = fit(model, replace(measured, value=values), priors)
+        found = fit(Problem(model, replace(measured, value=values), priors))
         held += np.abs(found.z - true) <= found.quantile * np.sqrt(
             np.diag(found.covariance)
         )

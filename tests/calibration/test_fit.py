@@ -10,7 +10,7 @@ from scipy.stats import norm
 from contbed.errors import ConvergenceError
 from contbed.many.calibrate import fit as fitting
 from contbed.many.calibrate import identify, posterior
-from contbed.many.calibrate.fit import fit
+from contbed.many.calibrate.fit import Problem, fit
 from contbed.many.calibrate.settings import Posterior
 from contbed.many.distributions import Distribution
 
@@ -53,7 +53,7 @@ def exact_linear(values):
 
 def test_a_linear_problem_has_its_exact_keys_and_covariance():
     values = MATRIX @ TRUE + np.array([0.05, -0.1, 0.2, 0.03, -0.1])
-    found = fit(linear(), data(values, ERRORS), PRIORS)
+    found = fit(Problem(linear(), data(values, ERRORS), PRIORS))
     keys, covariance = exact_linear(values)
     slopes = np.array(
         [prior.slope(z) for prior, z in zip(PRIORS, found.z, strict=True)]
@@ -71,7 +71,7 @@ def test_a_linear_problem_has_its_exact_keys_and_covariance():
 
 def test_bands_of_a_linear_problem_are_exact():
     values = MATRIX @ TRUE
-    found = fit(linear(), data(values, ERRORS), PRIORS)
+    found = fit(Problem(linear(), data(values, ERRORS), PRIORS))
     _, covariance = exact_linear(values)
     np.testing.assert_allclose(
         found.bands(found.slopes),
@@ -83,9 +83,10 @@ def test_bands_of_a_linear_problem_are_exact():
 def test_the_profile_of_a_linear_problem_is_its_standard_error():
     measured = data(MATRIX @ TRUE, ERRORS)
     model = linear()
-    found = fit(model, measured, PRIORS)
+    problem = Problem(model, measured, PRIORS)
+    found = fit(problem)
     for key in range(3):
-        interval = identify.profile(model, measured, PRIORS, found, key)
+        interval = identify.profile(problem, found, key)
         half = QUANTILE * np.sqrt(found.covariance[key, key])
         assert not interval.open_low and not interval.open_high
         # the search for an end stops within 2 % of the half width
@@ -99,9 +100,10 @@ def test_the_profile_of_a_linear_problem_is_its_standard_error():
 def test_samples_of_a_linear_problem_have_its_mean_and_covariance():
     pytest.importorskip("emcee")
     measured, model = data(MATRIX @ TRUE, ERRORS), linear()
-    found = fit(model, measured, PRIORS)
+    problem = Problem(model, measured, PRIORS)
+    found = fit(problem)
     samples = posterior.sample(
-        model, measured, PRIORS, found, Posterior(walkers=40, steps=4500, seed=3)
+        problem, found, Posterior(walkers=40, steps=4500, seed=3)
     )
     spread = np.sqrt(np.diag(found.covariance))
     # 135,000 samples of which one in some 40 is independent: 1.7 % of a mean in its
@@ -115,14 +117,10 @@ def test_samples_of_a_linear_problem_have_its_mean_and_covariance():
         found.covariance / np.outer(spread, spread),
         atol=0.1,
     )
-    again = posterior.sample(
-        model, measured, PRIORS, found, Posterior(walkers=40, steps=20, seed=3)
-    )
+    again = posterior.sample(problem, found, Posterior(walkers=40, steps=20, seed=3))
     np.testing.assert_array_equal(
         again.z,
-        posterior.sample(
-            model, measured, PRIORS, found, Posterior(walkers=40, steps=20, seed=3)
-        ).z,
+        posterior.sample(problem, found, Posterior(walkers=40, steps=20, seed=3)).z,
     )
 
 
@@ -137,11 +135,8 @@ def test_keys_are_recovered_and_nine_of_ten_intervals_hold_them():
         # the truth is drawn as the priors say, as only then they are right on average
         truth = np.array([float(prior(np.array(random.random()))) for prior in priors])
         model = ClosedForm(decay(t), priors)
-        found = fit(
-            model,
-            data(decay(t)(*truth) + error * random.standard_normal(20), error),
-            priors,
-        )
+        values = decay(t)(*truth) + error * random.standard_normal(20)
+        found = fit(Problem(model, data(values, error), priors))
         scaled = np.array(
             [
                 float(prior.scaled(value))
@@ -170,11 +165,8 @@ def test_intervals_hold_the_keys_where_errors_are_not_as_stated(stated, correlat
                 correlation * noise[k - 1] + np.sqrt(1.0 - correlation**2) * noise[k]
             )
         values = decay(t)(*truth) + error * noise
-        found = fit(
-            ClosedForm(decay(t), priors),
-            data(values, stated * error, np.zeros(100)),
-            priors,
-        )
+        measured = data(values, stated * error, np.zeros(100))
+        found = fit(Problem(ClosedForm(decay(t), priors), measured, priors))
         scaled = np.array(
             [
                 float(prior.scaled(value))
@@ -198,8 +190,9 @@ def test_what_the_data_do_not_see_is_named_and_keeps_its_prior():
     # only the sum of the first two, and nothing of the third
     model = ClosedForm(lambda a, b, c: (a + b) * np.ones(4) + 0.0 * c, priors)
     measured = data(np.full(4, 2.0), 0.01)
-    found = fit(model, measured, priors)
-    best, middle, least = identify.combinations(found, measured)
+    problem = Problem(model, measured, priors)
+    found = fit(problem)
+    best, middle, least = identify.combinations(problem, found)
     assert best.seen and not middle.seen and not least.seen
     # per standard deviations of the priors, 1/sqrt(3) and 0.5
     length = np.hypot(1.0 / np.sqrt(3.0), 0.5)
@@ -207,7 +200,7 @@ def test_what_the_data_do_not_see_is_named_and_keeps_its_prior():
     np.testing.assert_allclose(best.singular, 2.0 * length / 0.01, rtol=1e-9)
     assert best.named(["a", "b", "c"]) == "0.76 a +0.65 b"
     np.testing.assert_allclose(found.covariance[2, 2], 1.0, rtol=1e-9)
-    interval = identify.profile(model, measured, priors, found, 2)
+    interval = identify.profile(problem, found, 2)
     np.testing.assert_allclose(
         [interval.low, interval.high], [-QUANTILE, QUANTILE], rtol=0.02
     )
@@ -217,8 +210,9 @@ def test_an_interval_that_meets_the_end_of_its_prior_is_open_there():
     priors = (Distribution(0.0, 1.0, even=True),)
     model = ClosedForm(lambda a: np.array([a, a]), priors)
     measured = data([0.9, 0.9], 0.2)
-    found = fit(model, measured, priors)
-    interval = identify.profile(model, measured, priors, found, 0)
+    problem = Problem(model, measured, priors)
+    found = fit(problem)
+    interval = identify.profile(problem, found, 0)
     assert interval.open_high and not interval.open_low
     np.testing.assert_allclose(
         priors[0].value(interval.low),
@@ -232,7 +226,7 @@ def test_runs_that_fail_do_not_lose_the_fit():
     priors = (Distribution(0.5, 3.0, even=True), Distribution(0.2, 3.0, even=True))
     # no result in three quarters of the priors, the middle among them
     model = ClosedForm(decay(t), priors, fails=lambda keys: keys[1] > 0.9)
-    found = fit(model, data(decay(t)(1.3, 0.7), 0.01), priors)
+    found = fit(Problem(model, data(decay(t)(1.3, 0.7), 0.01), priors))
     assert found.converged
     np.testing.assert_allclose(
         [p.value(z) for p, z in zip(priors, found.z, strict=True)],
@@ -245,7 +239,8 @@ def test_a_fit_that_ends_where_runs_fail_has_not_converged():
     t = np.linspace(0.0, 3.0, 20)
     priors = (Distribution(0.5, 3.0, even=True), Distribution(0.2, 3.0, even=True))
     model = ClosedForm(decay(t), priors, fails=lambda keys: keys[1] > 0.7005)
-    assert not fit(model, data(decay(t)(1.3, 1.7), 0.01), priors).converged
+    problem = Problem(model, data(decay(t)(1.3, 1.7), 0.01), priors)
+    assert not fit(problem).converged
 
 
 def test_priors_without_any_result_are_told():
@@ -255,7 +250,7 @@ def test_priors_without_any_result_are_told():
         ConvergenceError,
         match="no run has a result in the middle of the priors or at 8 points",
     ):
-        fit(model, data([1.0], 0.1), priors)
+        fit(Problem(model, data([1.0], 0.1), priors))
 
 
 @pytest.mark.parametrize(
@@ -288,7 +283,9 @@ def test_the_slopes_are_central_differences():
     priors = (Distribution(0.0, 2.0, even=True),)
     model = ClosedForm(lambda a: np.array([a**2]), priors)
     width = 2.0 / np.sqrt(12.0)
-    _, slopes = fitting.derivatives(model, np.array([0.3]), priors, np.array([0]))
+    _, slopes = fitting.derivatives(
+        Problem(model, data([0.0], 1.0), priors), np.array([0.3]), np.array([0])
+    )
     np.testing.assert_allclose(
         slopes[0, 0], 2.0 * float(priors[0].value(0.3)) * width, rtol=1e-9
     )  # exact of a parabola
@@ -301,4 +298,6 @@ def test_a_place_without_any_result_has_no_slopes():
         ConvergenceError,
         match="no run beside the fitted point has a result where key 1 differs",
     ):
-        fitting.derivatives(model, np.array([0.3]), priors, np.array([0]))
+        fitting.derivatives(
+            Problem(model, data([0.0], 1.0), priors), np.array([0.3]), np.array([0])
+        )

@@ -12,7 +12,7 @@ from pathlib import Path
 from contbed.errors import ConvergenceError
 from contbed.many.calibrate import identify
 from contbed.many.calibrate.experiments import Job, read_jobs
-from contbed.many.calibrate.fit import fit
+from contbed.many.calibrate.fit import Problem, fit
 from contbed.many.calibrate.found import Calibrated, data_of, predict, warnings_of
 from contbed.many.calibrate.model import SceneModel
 from contbed.many.calibrate.plots import plot
@@ -77,32 +77,30 @@ def _found(
     quiet: bool,
 ) -> Calibrated:
     priors = [key.prior for key in file.keys]
-    data = data_of(model.points)
+    problem = Problem(model, data_of(model.points), priors)
     settings = file.settings.posterior
     steps = settings.steps if settings is not None else 0
     with Progress(
         1 + len(priors) * file.settings.profiles + steps, "steps", quiet
     ) as progress:
         done = _counter(progress)
-        result = fit(model, data, priors)
+        result = fit(problem)
         done("fit")
         intervals = {}
         for k, key in enumerate(file.keys):
             if file.settings.profiles:
-                intervals[key.name] = identify.profile(model, data, priors, result, k)
+                intervals[key.name] = identify.profile(problem, result, k)
                 done(f"profile of {key.name}")
         samples = None
         if settings is not None:
-            samples = sample(
-                model, data, priors, result, settings, lambda: done("posterior")
-            )
+            samples = sample(problem, result, settings, lambda: done("posterior"))
     return Calibrated(
         file,
         tuple(work),
         model.points,
-        data,
+        problem.data,
         result,
-        identify.combinations(result, data),
+        identify.combinations(problem, result),
         intervals,
         samples,
         predict(model.points, result),

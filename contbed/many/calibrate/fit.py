@@ -22,12 +22,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from contbed.arrays import Array, Integers
+from contbed.arrays import Array, Flags, Integers
 from contbed.errors import ConvergenceError
 from contbed.many.calibrate.model import Model
 from contbed.many.distributions import Distribution
@@ -63,6 +63,50 @@ class Data:
     value: Array
     error: Array
     groups: Integers
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is fitted: a model to measured values, with the priors of its keys."""
+
+    model: Model
+    data: Data
+    priors: Sequence[Distribution]
+
+    @property
+    def ends(self) -> Array:
+        """The lowest and the highest scaled coordinate of each key, (2, keys)."""
+        return np.array([prior.bounds for prior in self.priors]).T
+
+    @property
+    def normal(self) -> Flags:
+        """Which keys have a normal prior, (keys,)."""
+        return np.array([not prior.even for prior in self.priors])
+
+    def residuals(self, predicted: Array, factor: float = 1.0) -> Array:
+        """Return the deviations of predictions, (..., points), over the errors,
+        (..., data); the stated errors are multiplied by a factor.
+        """
+        data = self.data
+        return np.asarray(
+            (predicted[..., data.index] - data.value) / (factor * data.error)
+        )
+
+    def scaled(self, slopes: Array, factor: float = 1.0) -> Array:
+        """Return the derivatives of predictions, (points, keys), over the errors,
+        (data, keys).
+        """
+        error = factor * self.data.error
+        return np.asarray(slopes[self.data.index] / error[:, None])
+
+    def covariance(self, slopes: Array, factor: float = 1.0) -> Array:
+        """Return the covariance of the scaled keys, (keys, keys), by the derivatives of
+        predictions; no combination is less certain than by its prior, 1.
+        """
+        scaled = self.scaled(slopes, factor)
+        matrix = scaled.T @ scaled + np.diag(self.normal.astype(float))
+        values, vectors = np.linalg.eigh(matrix)
+        return np.asarray((vectors / np.maximum(values, 1.0)) @ vectors.T)
 
 
 @dataclass(frozen=True)
@@ -116,7 +160,7 @@ class Fit:
         )
 
 
-def fit(model: Model, data: Data, priors: Sequence[Distribution]) -> Fit:
+def fit(problem: Problem) -> Fit:
     """Fit the keys, from the middle of their priors.
 
     Raises
@@ -124,30 +168,34 @@ def fit(model: Model, data: Data, priors: Sequence[Distribution]) -> Fit:
     ConvergenceError : no run in the middle of the priors, nor at points spread in them,
         has a result
     """
-    z = _start(model, priors)
-    solution = least_squares(model, data, priors, z, 1.0)
-    predicted, slopes = solution.predicted, solution.slopes
-    residuals = (predicted[data.index] - data.value) / data.error
-    covariance = covariance_of(slopes[data.index] / data.error[:, None], priors)
-    used = float(
-        np.trace(covariance @ _information(slopes[data.index] / data.error[:, None]))
-    )
+    first = least_squares(problem, _start(problem), 1.0)
+    residuals = problem.residuals(first.predicted)
+    covariance = problem.covariance(first.slopes)
+    scaled = problem.scaled(first.slopes)
+    used = float(np.trace(covariance @ (scaled.T @ scaled)))
     freedom = max(len(residuals) - used, 0.0)
-    scatter, alike = _scatter(residuals, freedom), _alike(residuals, data.groups)
-    first = Fit(
-        solution.z, covariance, predicted, slopes, float(residuals @ residuals), freedom, scatter, alike,
-        solution.converged,
-    )  # fmt: skip
-    if first.factor == 1.0:
-        return first
-    solution = least_squares(model, data, priors, first.z, first.factor)
-    covariance = covariance_of(
-        solution.slopes[data.index] / (first.factor * data.error)[:, None], priors
+    found = Fit(
+        z=first.z,
+        covariance=covariance,
+        predicted=first.predicted,
+        slopes=first.slopes,
+        chi_square=float(residuals @ residuals),
+        freedom=freedom,
+        scatter=_scatter(residuals, freedom),
+        alike=_alike(residuals, problem.data.groups),
+        converged=first.converged,
     )
-    return Fit(
-        solution.z, covariance, solution.predicted, solution.slopes, first.chi_square, freedom, scatter, alike,
-        solution.converged,
-    )  # fmt: skip
+    if found.factor == 1.0:
+        return found
+    again = least_squares(problem, first.z, found.factor)
+    return replace(
+        found,
+        z=again.z,
+        covariance=problem.covariance(again.slopes, found.factor),
+        predicted=again.predicted,
+        slopes=again.slopes,
+        converged=again.converged,
+    )
 
 
 @dataclass(frozen=True)
@@ -164,12 +212,7 @@ class Solution:
 
 
 def least_squares(
-    model: Model,
-    data: Data,
-    priors: Sequence[Distribution],
-    z: Array,
-    factor: float,
-    held: Sequence[int] = (),
+    problem: Problem, z: Array, factor: float, held: Sequence[int] = ()
 ) -> Solution:
     """Minimise the sum of squares from `z` on.
 
@@ -180,10 +223,9 @@ def least_squares(
     """
     from scipy.optimize import least_squares as search
 
-    free = np.array([k for k in range(len(priors)) if k not in held], dtype=int)
-    error = factor * data.error
-    rows = np.array([not prior.even for prior in priors])
-    low, high = (np.array([prior.bounds[side] for prior in priors]) for side in (0, 1))
+    count = len(problem.priors)
+    free = np.array([k for k in range(count) if k not in held], dtype=int)
+    rows, (low, high) = problem.normal, problem.ends[:, free]
     start = np.array(z, dtype=float)
     known: dict[bytes, tuple[Array, Array]] = {}
 
@@ -194,43 +236,37 @@ def least_squares(
 
     def residuals(inner: Array) -> Array:
         full = whole(inner)
-        return np.concatenate(
-            [(model.values(full[None])[0][data.index] - data.value) / error, full[rows]]
-        )
+        predicted = problem.model.values(full[None])[0]
+        return np.concatenate([problem.residuals(predicted, factor), full[rows]])
+
+    def there(inner: Array) -> tuple[Array, Array]:
+        mark = inner.tobytes()
+        if mark not in known:
+            known[mark] = derivatives(problem, whole(inner), free)
+        return known[mark]
 
     def slopes(inner: Array) -> Array:
-        full = whole(inner)
-        found = derivatives(model, full, priors, free)
-        known[inner.tobytes()] = found
-        prior_rows = np.eye(len(priors))[rows][:, free]
-        return np.vstack([found[1][data.index] / error[:, None], prior_rows])
+        scaled = problem.scaled(there(inner)[1], factor)
+        return np.vstack([scaled, np.eye(count)[rows][:, free]])
 
     if not len(free):
-        predicted = model.values(start[None])[0]
+        predicted = problem.model.values(start[None])[0]
         left = residuals(start[free])
-        return Solution(
-            start,
-            predicted,
-            np.zeros((len(predicted), 0)),
-            0.5 * float(left @ left),
-            True,
-        )
-    inside = np.clip(start[free], low[free] + TOLERANCE, high[free] - TOLERANCE)
+        none = np.zeros((len(predicted), 0))
+        return Solution(start, predicted, none, 0.5 * float(left @ left), True)
     found: Any = search(
-        residuals, inside, slopes, bounds=(low[free], high[free]), xtol=TOLERANCE, ftol=TOLERANCE, gtol=TOLERANCE,
+        residuals,
+        np.clip(start[free], low + TOLERANCE, high - TOLERANCE),
+        slopes,
+        bounds=(low, high),
+        xtol=TOLERANCE,
+        ftol=TOLERANCE,
+        gtol=TOLERANCE,
         max_nfev=MOST_EVALUATIONS,
-    )  # fmt: skip
-    predicted, there = known[found.x.tobytes()] if found.x.tobytes() in known else derivatives(
-        model, whole(found.x), priors, free
-    )  # fmt: skip
-    settled = _rest(found, low[free], high[free]) < SETTLED
-    return Solution(
-        whole(found.x),
-        predicted,
-        there,
-        float(found.cost),
-        bool(found.success and settled),
     )
+    settled = _rest(found, low, high) < SETTLED
+    converged = bool(found.success and settled)
+    return Solution(whole(found.x), *there(found.x), float(found.cost), converged)
 
 
 def _rest(found: Any, low: Array, high: Array) -> float:
@@ -243,9 +279,7 @@ def _rest(found: Any, low: Array, high: Array) -> float:
     return float(np.linalg.norm(slopes @ step))
 
 
-def derivatives(
-    model: Model, z: Array, priors: Sequence[Distribution], free: Integers
-) -> tuple[Array, Array]:
+def derivatives(problem: Problem, z: Array, free: Integers) -> tuple[Array, Array]:
     """Return predictions, shape (points,), and their derivatives with respect to scaled
     keys, (points, keys).
 
@@ -256,6 +290,7 @@ def derivatives(
     ------
     ConvergenceError : runs on both sides of a key failed
     """
+    model, priors = problem.model, problem.priors
     known = model.slopes(z)
     if known is not None:
         return model.values(z[None])[0], known[:, free]
@@ -288,31 +323,13 @@ def derivatives(
     return here, slopes
 
 
-def covariance_of(slopes: Array, priors: Sequence[Distribution]) -> Array:
-    """Return the covariance of the scaled keys, (keys, keys); no combination is less
-    certain than by its prior, 1.
-
-    Parameters
-    ----------
-    slopes : derivatives of the predictions over the standard errors, shape (data, keys)
-    """
-    matrix = _information(slopes) + np.diag(
-        [0.0 if prior.even else 1.0 for prior in priors]
-    )
-    values, vectors = np.linalg.eigh(matrix)
-    return np.asarray((vectors / np.maximum(values, 1.0)) @ vectors.T)
-
-
-def _information(slopes: Array) -> Array:
-    return np.asarray(slopes.T @ slopes)
-
-
-def _start(model: Model, priors: Sequence[Distribution]) -> Array:
+def _start(problem: Problem) -> Array:
     """Return the middle of the priors, or the first of points spread in them that
     have a result.
     """
     from scipy.stats import qmc
 
+    model, priors = problem.model, problem.priors
     middle = np.zeros(len(priors))
     if np.isfinite(model.values(middle[None])).all():
         return middle
@@ -324,11 +341,11 @@ def _start(model: Model, priors: Sequence[Distribution]) -> Array:
     )
     usable = np.isfinite(model.values(points)).all(axis=1)
     if not usable.any():
-        problem = getattr(model, "problem", str)()
+        why = getattr(model, "problem", str)()
         raise ConvergenceError(
             f"no run has a result in the middle of the priors or at {TRIALS} points "
             "spread in them; change the priors. "
-            f"The last problem: {problem}"
+            f"The last problem: {why}"
         )
     return np.asarray(points[int(np.argmax(usable))])
 

@@ -23,9 +23,7 @@ import numpy as np
 
 from contbed.arrays import Array
 from contbed.errors import ConvergenceError
-from contbed.many.calibrate.fit import TOLERANCE, Data, Fit, Solution, least_squares
-from contbed.many.calibrate.model import Model
-from contbed.many.distributions import Distribution
+from contbed.many.calibrate.fit import TOLERANCE, Fit, Problem, Solution, least_squares
 
 SEEN = 1.0  # singular value above which the data determine more than the prior
 NAMED = 0.2  # component of a combination below which a key is not named
@@ -77,9 +75,9 @@ class Interval:
     curve: Array
 
 
-def combinations(found: Fit, data: Data) -> list[Combination]:
+def combinations(problem: Problem, found: Fit) -> list[Combination]:
     """Return the combinations of keys from the best to the least seen."""
-    scaled = found.slopes[data.index] / (found.factor * data.error)[:, None]
+    scaled = problem.scaled(found.slopes, found.factor)
     _, singular, weights = np.linalg.svd(scaled, full_matrices=False)
     return [
         Combination(weight, float(value))
@@ -87,31 +85,34 @@ def combinations(found: Fit, data: Data) -> list[Combination]:
     ]
 
 
-def profile(
-    model: Model, data: Data, priors: Sequence[Distribution], found: Fit, key: int
-) -> Interval:
+def profile(problem: Problem, found: Fit, key: int) -> Interval:
     """Return the interval of a key by its profile; runs that fail end the search
     with an open end.
     """
     rows: list[tuple[float, float]] = [(float(found.z[key]), 0.0)]
-    base = _squares(data, priors, found)
-    ends = []
-    for side in (-1.0, 1.0):
-        ends.append(_end(model, data, priors, found, key, side, base, rows))
-    (low, open_low), (high, open_high) = ends
+    residuals = problem.residuals(found.predicted, found.factor)
+    own = found.z[problem.normal]
+    base = float(residuals @ residuals + own @ own)
+    (low, open_low), (high, open_high) = (
+        _end(problem, found, key, side, base, rows) for side in (-1.0, 1.0)
+    )
     return Interval(low, high, open_low, open_high, np.array(sorted(rows)))
 
 
 def _end(
-    model: Model, data: Data, priors: Sequence[Distribution], found: Fit, key: int, side: float, base: float,
+    problem: Problem,
+    found: Fit,
+    key: int,
+    side: float,
+    base: float,
     rows: list[tuple[float, float]],
-) -> tuple[float, bool]:  # fmt: skip
+) -> tuple[float, bool]:
     """Return one end of the interval, and whether it is open.
 
     The root of the rise is close to straight in the key, so that the secant through the
     fitted point finds the end.
     """
-    bound = priors[key].bounds[int(side > 0.0)]
+    bound = problem.ends[int(side > 0.0), key]
     room = abs(bound - found.z[key])
     step = min(found.quantile * math.sqrt(found.covariance[key, key]), room)
     path = found.covariance[:, key] / found.covariance[key, key]
@@ -119,7 +120,7 @@ def _end(
     for _ in range(MOST_STEPS):
         if room < TOLERANCE:
             return float(bound), True
-        solution = _refit(model, data, priors, found, key, side * step, path)
+        solution = _refit(problem, found, key, side * step * path)
         if solution is None:
             return float(found.z[key] + side * low_step), True
         rise = max(2.0 * solution.cost - base, 0.0)
@@ -134,31 +135,10 @@ def _end(
     return float(solution.z[key]), True
 
 
-def _refit(
-    model: Model,
-    data: Data,
-    priors: Sequence[Distribution],
-    found: Fit,
-    key: int,
-    step: float,
-    path: Array,
-) -> Solution | None:
-    """Fit the other keys with one moved by `step`; None if the runs fail there."""
-    z = found.z + step * path
-    for k, prior in enumerate(priors):
-        z[k] = np.clip(z[k], *prior.bounds)
+def _refit(problem: Problem, found: Fit, key: int, move: Array) -> Solution | None:
+    """Fit the other keys with all moved and one held; None if the runs fail there."""
+    z = np.clip(found.z + move, *problem.ends)
     try:
-        return least_squares(model, data, priors, z, found.factor, held=(key,))
+        return least_squares(problem, z, found.factor, held=(key,))
     except (ConvergenceError, ValueError):  # scipy refuses to begin where a run failed
         return None
-
-
-def _squares(data: Data, priors: Sequence[Distribution], found: Fit) -> float:
-    residuals = (found.predicted[data.index] - data.value) / (found.factor * data.error)
-    own = np.array(
-        [
-            0.0 if prior.even else value
-            for prior, value in zip(priors, found.z, strict=True)
-        ]
-    )
-    return float(residuals @ residuals + own @ own)

@@ -7,7 +7,6 @@ that a command that was killed finds its runs again and resumes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,10 +14,8 @@ import numpy as np
 
 from contbed.arrays import Array
 from contbed.errors import ContbedError
-from contbed.many.calibrate.fit import Data, Fit
-from contbed.many.calibrate.model import Model
+from contbed.many.calibrate.fit import Fit, Problem
 from contbed.many.calibrate.settings import Posterior
-from contbed.many.distributions import Distribution
 
 # share of the steps at the beginning, in which the walkers leave their start
 FORGOTTEN = 0.25
@@ -65,9 +62,7 @@ def require_emcee() -> Any:
 
 
 def sample(
-    model: Model,
-    data: Data,
-    priors: Sequence[Distribution],
+    problem: Problem,
     found: Fit,
     settings: Posterior,
     each: Any = None,
@@ -83,9 +78,8 @@ def sample(
     ContbedError : emcee is not installed
     """
     emcee = require_emcee()
-    low, high = (np.array([prior.bounds[side] for prior in priors]) for side in (0, 1))
-    normal = np.array([not prior.even for prior in priors])
-    error = found.factor * data.error
+    low, high = problem.ends
+    keys = len(problem.priors)
 
     def logarithm(z: Array) -> Array:
         """Return the logarithm of the probability, shape (walkers,); runs that fail
@@ -94,21 +88,18 @@ def sample(
         result = np.full(len(z), -np.inf)
         inside = np.all((z >= low) & (z <= high), axis=1)
         if inside.any():
-            residuals = (model.values(z[inside])[:, data.index] - data.value) / error
-            square = (residuals**2).sum(axis=1) + (z[inside][:, normal] ** 2).sum(
-                axis=1
-            )
+            residuals = problem.residuals(problem.model.values(z[inside]), found.factor)
+            normal = z[inside][:, problem.normal]
+            square = (residuals**2).sum(axis=1) + (normal**2).sum(axis=1)
             result[inside] = np.where(np.isfinite(square), -0.5 * square, -np.inf)
         return result
 
     random = np.random.default_rng(settings.seed)
-    root = np.linalg.cholesky(found.covariance + LEAST**2 * np.eye(len(priors)))
-    start = found.z + random.standard_normal((settings.walkers, len(priors))) @ root.T
+    root = np.linalg.cholesky(found.covariance + LEAST**2 * np.eye(keys))
+    start = found.z + random.standard_normal((settings.walkers, keys)) @ root.T
     start = np.where(start < low, 2.0 * low - start, start)  # reflected at the bounds
     start = np.clip(np.where(start > high, 2.0 * high - start, start), low, high)
-    sampler = emcee.EnsembleSampler(
-        settings.walkers, len(priors), logarithm, vectorize=True
-    )
+    sampler = emcee.EnsembleSampler(settings.walkers, keys, logarithm, vectorize=True)
     sampler.random_state = np.random.RandomState(settings.seed).get_state()
     for _ in sampler.sample(start, iterations=settings.steps):
         if each is not None:
