@@ -19,6 +19,9 @@ from contbed.result import Result
 # Okabe and Ito's colours without yellow
 COLOURS = ("#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2")
 
+Panel = tuple[Any, float]  # the function that draws it, and its relative width
+WIDEST = 5.0  # sum of the widths of panels in one row
+
 _BUBBLES = {"d_b": "#009E73", "delta": "#CC79A7", "u_b": "#E69F00"}
 
 
@@ -56,24 +59,35 @@ def bubbling_plot(
         for name, value in (results or {}).items()
         if name.endswith("_W") and value and not name.endswith("_water_W")
     }
-    panels: list[tuple[Any, float]] = [(_temperatures, 2.0)]
+    panels: list[Panel] = [(_temperatures, 2.0)]
     panels += [(_radiation, 1.0)] if "G" in values else []
     panels += [(partial(_single, name), 0.7) for name in _BUBBLES if name in values]
     panels += [(_gases, 1.3)] if any(name.startswith("x_") for name in values) else []
     panels += [(_heat, 1.5)] if flows else []
-    with styled_figure(
-        path, 5.6, title, width=max(7.0, 2.6 * sum(width for _, width in panels))
-    ) as figure:
-        axes = figure.subplots(
-            1, len(panels), squeeze=False, width_ratios=[width for _, width in panels]
-        )[0]
-        for panel, (draw, _) in zip(axes, panels, strict=True):
-            if draw is _heat:
-                _heat(panel, flows)
-                continue
-            draw(panel, z, values)
-            panel.set_ylim(z[0], z[-1])
-        axes[0].set_ylabel("height above the distributor [m]")
+    rows = _rows(panels)
+    across = max(sum(width for _, width in row) for row in rows)
+    width, height = max(7.0, 2.6 * across), 5.6 if len(rows) == 1 else 8.4
+    with styled_figure(path, height, title, width=width) as figure:
+        parts = figure.subfigures(len(rows), 1, squeeze=False)[:, 0]
+        for part, row in zip(parts, rows, strict=True):
+            axes = part.subplots(
+                1, len(row), squeeze=False, width_ratios=[width for _, width in row]
+            )[0]
+            for panel, (draw, _) in zip(axes, row, strict=True):
+                if draw is _heat:
+                    _heat(panel, flows)
+                    continue
+                draw(panel, z, values)
+                panel.set_ylim(z[0], z[-1])
+            axes[0].set_ylabel("height above the distributor [m]")
+
+
+def _rows(panels: list[Panel]) -> list[list[Panel]]:
+    """Return the panels in one row, or in two where one would be too wide to read."""
+    if sum(width for _, width in panels) <= WIDEST:
+        return [panels]
+    half = -(-len(panels) // 2)
+    return [panels[:half], panels[half:]]
 
 
 def _temperatures(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
