@@ -253,10 +253,22 @@ def table(place: str, at: str | None) -> str:
                 "    outside: "
                 f"{', '.join(_with_range(choice.name, key, every) for key in choice.outside)}"
             )
-        if given and choice.unknown:
-            lines.append(f"    not known: {', '.join(choice.unknown)}")
+        unknown = _unknown(choice, every) if given else []
+        if unknown:
+            lines.append(f"    not known: {', '.join(unknown)}")
         lines.append(f"    {registry.sheet(choice.name).summary}")
     return "\n".join(lines)
+
+
+def _unknown(choice: Choice, known: Spans) -> list[str]:
+    """Return what is not known: parts of the range, and of the value where there is
+    none.
+    """
+    unknown = list(choice.unknown)
+    if choice.value is None:
+        arguments = registry.sheet(choice.name).arguments
+        unknown += [key for key in arguments if key not in (*known, *unknown)]
+    return unknown
 
 
 def _verdict(choice: Choice, given: bool) -> str:

@@ -159,3 +159,10 @@ def test_the_shell_completes_names():
     done = subprocess.run([sys.executable, "-c", code], env=environment | {"PYTHONPATH": ":".join(sys.path)},
                           capture_output=True, text=True)  # fmt: skip
     assert done.stdout.split() == ["nusselt_gunn"]
+
+
+def test_a_closure_without_a_value_names_what_it_needs(capsys):
+    at = "Re=500, Pr=1.0, eps=0.4"
+    assert cli.main(["closures", "--for", "closures.nusselt", "--at", at]) == 0
+    after = capsys.readouterr().out.partition("nusselt_power")[2].splitlines()
+    assert after[1].strip() == "not known: a, b"
