@@ -34,6 +34,8 @@ FIRST_ITERATIONS = 60  # of Newton's method from a first guess
 FEW_ITERATIONS = 15  # where the guess is near
 # share of a gas or solid below which its powers are straight lines, to begin with
 SMOOTHEST = 0.1
+# and above which a march in time looks for a state with sharper ones
+COARSE = 1e-3
 # factor from one such share to the next, and beyond which no sharper is tried
 SHARPER, LEAST_SHARPER = 0.1, 0.7
 STEPS = 120  # of the march in time
@@ -355,7 +357,7 @@ def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Arra
 
     Where reaction ends at a point, powers below one have infinite slopes there, and
     Newton's method goes from one side of zero to the other; the sharpest that converges
-    is kept.
+    is kept. Steps in time pass where Newton's method does not become sharp.
     """
     small, factor = SMOOTHEST, SHARPER
     done, u = smooth(problem.with_small(Smoothing(small, small)), u, report)
@@ -375,6 +377,15 @@ def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Arra
             factor **= 0.5
             continue
         small, done, u = below, trial, found
+    if small > COARSE:
+        trial = done.with_small(Smoothing(COARSE, COARSE))
+        try:
+            trial, found = march(trial, u, report)
+            found = newton(trial, found, report, max_iterations=FEW_ITERATIONS)
+        except ConvergenceError:
+            pass
+        else:
+            small, done, u = COARSE, trial, found
     report.small = small
     return done, u
 
@@ -425,13 +436,12 @@ def smoothing_changes(problem: Problem, u: Array, report: Report) -> float:
     """Return by how much what leaves would change with powers as sharp as those of the
     laws, over what enters.
 
-    By one step of Newton's method, which shows it where the method itself does not
-    converge.
+    By one whole step of Newton's method, which shows it where the method itself does
+    not converge; 1 at most.
     """
-    du, damping, _ = newton_step(problem.with_small(None), u, report)
-    return float(
-        np.abs(what_leaves(problem, u + damping * du) - what_leaves(problem, u)).max()
-    )
+    du, _, _ = newton_step(problem.with_small(None), u, report)
+    change = np.abs(what_leaves(problem, u + du) - what_leaves(problem, u))
+    return min(float(change.max()), 1.0)
 
 
 def grown(problem: Problem, u: Array, report: Report) -> Array:

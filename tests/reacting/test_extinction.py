@@ -6,16 +6,19 @@ u dc/dx = -eps k c^n,    c = (c0^(1-n) - (1-n) eps k x/u)^(1/(1-n)) before the p
 
 from __future__ import annotations
 
+import cantera as ct
 import numpy as np
 import pytest
 from reacting_bed_scenes import MOLAR, P, isothermal, species
+from scipy.integrate import solve_ivp
 from solving import CLOSED
 
 import contbed
+from contbed.chemistry.thermo import R_GAS
 from contbed.closures.formula import parse_formula
 from contbed.loading import from_dict
 from tests.balances import assert_closed
-from tests.scene_text import set_keys
+from tests.scene_text import scene_of, set_keys
 
 # [mol^(1-n)/m^(3-3n)/s], [-], [m/s]; for n = 1/2 it ends at 0.61 m
 K, EPS, SPEED = 20.0, 0.4, 0.5
@@ -182,3 +185,69 @@ def test_powers_of_a_trace_in_time_stay(trace):
     assert contbed.run(from_dict(scene)).qoi["x_A_out"] == pytest.approx(
         0.1 * trace, rel=1e-6
     )
+
+
+METHANATION = """
+model = "packed_bed"
+mesh = { type = "line", length = 1.5, diameter = 0.02 }
+packed_bed = { porosity = 0.4, pressure_drop = "none" }
+heat = {}
+
+[gas]
+model = "cantera"
+composition = "CO2:0.18, H2:0.72, CH4:0.05, H2O:0.05"
+pressure = 5e5
+
+[solids.nickel]
+diameter = 2e-3
+density = 1800
+
+[reactions.sabatier]
+equation = "CO2 + 4 H2 <-> CH4 + 2 H2O"
+rate = "k*exp(-E/R*(1/T - 1/555))*sqrt(p_CO2*p_H2)*(1 - Q_over_K)/(1 + p_H2O/P0)"
+parameters = { k = "0.1 mol/kg/s/bar", E = "78 kJ/mol", P0 = "0.5 bar" }
+basis = "catalyst"
+
+[boundary.left]
+gas = { velocity = 1, temperature = 543.15 }
+
+[boundary.wall]
+coefficient = 250
+ambient = 543.15
+"""
+
+
+def test_roots_are_sharp_behind_a_hot_spot():
+    """Two ordinary differential equations of plug flow at Cantera's enthalpies and
+    equilibrium: conversion to 1e-4, the hot spot to 2 K, as its cells are few. Newton's
+    method alone stopped at powers that were straight below a tenth: 0.929.
+    """
+    gas = ct.Solution("gri30.yaml")
+    p = 5e5
+    gas.TPX = 543.15, p, "CO2:0.18, H2:0.72, CH4:0.05, H2O:0.05"
+    flux, mass, feed = gas.density_mole * 1e3, gas.density, gas.X
+    step = np.zeros(gas.n_species)
+    k_CO2, k_H2, k_CH4, k_H2O = (
+        gas.species_index(name) for name in ("CO2", "H2", "CH4", "H2O")
+    )
+    step[[k_CO2, k_H2, k_CH4, k_H2O]] = -1, -4, 1, 2
+
+    def slopes(z, y):
+        extent, T = y
+        moles = flux * feed + step * extent
+        x = moles / moles.sum()
+        gas.TPX = T, p, x
+        heat = step @ gas.standard_enthalpies_RT
+        entropy = step @ gas.standard_entropies_R + step.sum() * np.log(p / ct.one_atm)
+        Q_over_K = np.prod((x * p / ct.one_atm) ** step) / np.exp(entropy - heat)
+        rate = 0.1e-5 * np.exp(-78e3 / R_GAS * (1 / T - 1 / 555))
+        rate *= p * np.sqrt(x[k_CO2] * x[k_H2]) / (1 + p * x[k_H2O] / 0.5e5)
+        rate *= 1800 * 0.6 * (1 - Q_over_K)
+        cooled = 4 * 250 / 0.02 * (T - 543.15)
+        return rate, (-heat * R_GAS * T * rate - cooled) / (mass * gas.cp)
+
+    exact = solve_ivp(slopes, (0, 1.5), (0, 543.15), "LSODA", rtol=1e-9, max_step=5e-3)
+    found = contbed.run(from_dict(scene_of(METHANATION)))
+    wanted = exact.y[0, -1] / (flux * feed[k_CO2])
+    assert found.qoi["conversion_CO2"] == pytest.approx(wanted, abs=1e-4)
+    assert found.qoi["hot_spot_K"] == pytest.approx(exact.y[1].max(), abs=2.0)
