@@ -44,6 +44,7 @@ from contbed.packed_bed.recognition import (
     velocities,
 )
 from contbed.packed_bed.schedule import (
+    ENTERING,
     PHASES,
     VELOCITY,
     ScheduleInterval,
@@ -63,6 +64,10 @@ AUTOMATIC = 8  # adaptive refinements of an automatic line
 AUTOMATIC_TENSOR = 6
 # by dimension: 5 to 10 s of processor for two temperatures
 AUTOMATIC_CELLS = {2: 30_000, 3: 4_000}
+
+
+# share of a part of a run before its end, where the values that jump there still hold
+BEFORE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -197,7 +202,9 @@ class Plan:
             for path in schedule.samples
         }
         for start, end in pairwise(cuts):
-            if schedule.jumps(start, VELOCITY):
+            if schedule.jumps(start, VELOCITY) or (
+                not self.medium.fluid.constant and schedule.jumps(start, ENTERING)
+            ):
                 flow_since = start
             inner = every[bisect_right(every, start) : bisect_left(every, end)]
             changed = changing(schedule, start, end, inner).samples
@@ -218,10 +225,30 @@ class Plan:
             )
         return found
 
+    def lag(self) -> tuple[float, float]:
+        """Return the temperature of the entering fluid that fixes the mass flux, and
+        that with which it enters [K], where their densities differ most in the run.
+        """
+        found = [(self.medium.T_fluid_in,) * 2]
+        for interval in self.intervals():
+            if interval is None:
+                continue
+            nearly = interval.end - BEFORE * (interval.end - interval.start)
+            fixed, *entering = (
+                inlet_temperature(self.schedule.frozen(self.scene, time))
+                for time in (interval.flow_since, interval.start, nearly)
+            )
+            found += [(fixed, T) for T in entering]
+        density = self.medium.fluid.density
+        return max(
+            found, key=lambda pair: abs(np.log(density(pair[1]) / density(pair[0])))
+        )
+
     def within(self, interval: ScheduleInterval) -> Plan:
         """Return the plan with the velocities of a part of the run, on the same mesh.
 
-        The mass flux is that of the inlet temperature when the velocity took its value.
+        The mass flux is that of the inlet temperature when the velocity took its value
+        or this temperature jumped last; see `lag`.
         """
         target = interval.scene
         velocity, solid = velocities(target)
@@ -246,9 +273,9 @@ class Plan:
         """Return the plan with the velocities at each of these times [s], at a jump
         with those before it.
         """
-        if not flow_changes(self.schedule):
-            return [self] * len(times)
         intervals = [each for each in self.intervals() if each is not None]
+        if not any(each.flow_since for each in intervals):
+            return [self] * len(times)
         ends, plans = [each.end * (1 + 1e-12) for each in intervals], {}
         found = []
         for time in times:

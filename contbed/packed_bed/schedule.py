@@ -27,6 +27,7 @@ from contbed.scene.toml_lines import KeyPath
 from contbed.scene.values import with_value
 
 VELOCITY = "velocity"
+ENTERING = "temperature"  # of a stream
 VALUES = ("fixed_temperature", "temperature", "heat_flux", "ambient")
 KELVIN = ("fixed_temperature", "temperature", "ambient")  # those that are temperatures
 PHASES = ("fluid", "solid")
@@ -41,7 +42,7 @@ class ScheduleInterval:
     small : sizes of kinks that a step may pass by key; none where all is linear in time
     temperatures : all of the series of the run [K]
     jumps : whether a value jumps at the start; flow_since : when the velocities took
-        their values [s]
+        their values, or the temperature at which the mass flux is that of them [s]
     """
 
     start: float

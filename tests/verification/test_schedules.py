@@ -5,6 +5,7 @@ forms and symmetries.
 import copy
 from pathlib import Path
 
+import cantera as ct
 import numpy as np
 import pytest
 from moving_beds import started
@@ -531,3 +532,41 @@ def test_profiles_have_the_flow_of_their_time(tmp_path):
             np.testing.assert_allclose(
                 p[[0, -1]], [first, end], rtol=0, atol=1e-9 * drop
             )
+
+
+@pytest.mark.parametrize("form", ["step", "linear"])
+def test_mass_flux_of_a_gas_that_enters_hotter(form):
+    """Nitrogen of 300 K, then of 600 K at the same velocity, through a bed that hardly
+    takes heat: what enters over both halves is u rho(T) h(T), to 1 % by the trapezoidal
+    rule over the enthalpies of Cantera. A ramp keeps the first mass flux, and says so.
+    """
+    scene = copy.deepcopy(SLAB)
+    scene["gas"] = {"model": "cantera", "composition": "N2:1"}
+    scene["closures"]["nusselt"] = 0.01
+    scene["mesh"]["cells"] = 4
+    series = {"times": [0.0, 10.0, 20.0], "values": [300.0, 600.0, 600.0]}
+    if form == "linear":
+        series = {"times": [0.0, 20.0], "values": [300.0, 600.0]}
+    scene["boundary"]["left"] = {
+        "gas": {"velocity": 0.5, "temperature": {**series, "form": form}}
+    }
+    scene["time"] = {"end": 20.0, "tolerance": 1e-3}
+    result = cb.run(from_dict(scene))
+    gas = ct.Solution("gri30.yaml")
+
+    def at(T):
+        gas.TPX = T, ct.one_atm, "N2:1"
+        return gas.density, gas.enthalpy_mass
+
+    (rho, h), (rho_hot, h_hot) = at(300.0), at(600.0)
+    told = [text for text in result.warnings if "the mass flux stays" in text]
+    if form == "step":
+        entered = 0.5 * 10.0 * rho_hot * (h_hot - h)
+        inlet = 0.5
+        assert not told
+    else:
+        entered = 0.5 * 20.0 * rho * (h_hot - h) / 2.0
+        inlet = 0.5 * rho / rho_hot
+        assert "50% lower" in told[0]
+    assert result.profiles["u [m/s]"][-5] == pytest.approx(inlet, rel=1e-3)
+    assert result.balances["energy"]["in"] == pytest.approx(entered, rel=0.01)
