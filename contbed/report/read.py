@@ -16,6 +16,7 @@ from contbed.output.shapes import RunSummary, read_json
 from contbed.output.stored import read_series
 from contbed.output.tables import read_table
 from contbed.scene import schema
+from contbed.scene.toml_lines import KeyPath, dotted
 
 AGAIN = "run the scene again"
 
@@ -95,19 +96,23 @@ def read_run(folder: Path, name: str) -> Run:
     return Run(name, folder, summary, tables, tuple(_snapshots(folder)))
 
 
-def _keys(root: schema.Node, values: Any, path: tuple[str, ...]) -> list[Key]:
+def _keys(root: schema.Node, values: Any, path: KeyPath) -> list[Key]:
     found: list[Key] = []
     for name, value in values.items():
         here = (*path, name)
         if isinstance(value, dict):
             found += _keys(root, value, here)
             continue
+        if value and isinstance(value, list) and isinstance(value[0], dict):
+            for k, each in enumerate(value):
+                found += _keys(root, each, (*here, k))
+            continue
         nodes = schema.at(root, here)
         defaults = [node["default"] for node in nodes if "default" in node]
         unit = schema.unit(root, here)
         found.append(
             Key(
-                ".".join(here),
+                dotted(here),
                 value,
                 "" if unit in (None, "1") else str(unit),
                 value in defaults,

@@ -17,7 +17,7 @@ from contbed.explain import editor
 from contbed.output.tables import axis_of
 from contbed.report import charts
 from contbed.report.fields import Cloud, pictures
-from contbed.report.read import read_run
+from contbed.report.read import Run, read_run
 from contbed.report.write import write
 from tests.command_line import command
 from tests.report.report_file import BROWSER, WATCH, browse, charts_of
@@ -306,3 +306,13 @@ def test_in_a_browser(plane, tmp_path):
     assert pixels.shape[:2] == (2000, 1280)
     colours = np.unique((pixels.reshape(-1, 3) * 31).astype(int), axis=0)
     assert len(colours) > 100  # the scale of colours of the fields, curves and text
+
+
+def test_tables_of_a_list_are_shown_key_by_key(tmp_path):
+    layer = {"start": -1e30, "end": 0.2, "gas": {"velocity": 0.5}}
+    scene = {"model": "two_fluid", "initial": {"layer": [layer]}}
+    keys = Run("bed", tmp_path, {"scene": scene}, {}, ()).scene_keys()
+    shown = {key.name: (key.value, key.unit, key.default) for key in keys}
+    assert shown["initial.layer[0].start"] == (-1e30, "m", True)
+    assert shown["initial.layer[0].end"] == (0.2, "m", False)
+    assert shown["initial.layer[0].gas.velocity"] == (0.5, "m/s", False)
