@@ -32,7 +32,7 @@ is reported, or an error in strict mode.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -94,18 +94,24 @@ class Transferred:
 
     def __call__(self, **arguments: Any) -> Any:
         """Return the value of the fit for its arguments by name."""
+        unit = arguments["k_fluid"] if self.sheet.kind == "conductivity" else 1.0
+        return unit * self.at([_argument(key, arguments) for key in self._variables()])
+
+    def at(self, variables: Sequence[Any]) -> Any:
+        """Return the value over its unit where its variables have these values."""
         if self.content["form"] == "power":
             value = {
                 key: part["value"] for key, part in self.content["parameters"].items()
             }
-            powers = arguments["Re"] ** value["b"] * arguments["Pr"] ** value["c"]
+            powers = variables[0] ** value["b"] * variables[1] ** value["c"]
             return value["base"] + value["a"] * powers
-        unit = arguments["k_fluid"] if self.sheet.kind == "conductivity" else 1.0
         scaled = [
-            np.log(_argument(key, arguments) / rule["reference"])
+            np.log(x / rule["reference"])
             if rule["scale"] == "log"
-            else _argument(key, arguments) - rule["reference"]
-            for key, rule in self.content["variables"].items()
+            else x - rule["reference"]
+            for x, rule in zip(
+                variables, self.content["variables"].values(), strict=True
+            )
         ]
         exponent: Any = 0.0
         for term in self.content["terms"]:
@@ -113,7 +119,7 @@ class Transferred:
             for variable, power in zip(scaled, term["powers"], strict=True):
                 part = part * variable**power if power else part
             exponent = exponent + part
-        return unit * np.exp(exponent)
+        return np.exp(exponent)
 
     def _variables(self) -> tuple[str, ...]:
         return (

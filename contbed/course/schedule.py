@@ -17,10 +17,9 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.scene.quantities import Table
 from contbed.scene.series import SAME, Samples, Series
 from contbed.scene.toml_lines import KeyPath, Origin
-from contbed.scene.values import with_value
+from contbed.scene.values import tables, with_value
 
 # distance of two cuts below which they are one, over that of jumps; a value before a
 # cut is so before both
@@ -35,14 +34,9 @@ ROUNDED = 1e-6
 
 def series_of(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Series]]:
     """Yield key and series of everything in a table that changes with time."""
-    if isinstance(part, Series):
-        yield path, part
-    elif isinstance(part, Mapping):
-        for name, item in part.items():
-            yield from series_of(item, (*path, name))
-    elif isinstance(part, Table):
-        for name in type(part).model_fields:
-            yield from series_of(getattr(part, name), (*path, name))
+    for where, found in tables(part, path):
+        if isinstance(found, Series):
+            yield where, found
 
 
 @dataclass(frozen=True)

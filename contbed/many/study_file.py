@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from contbed.errors import SceneError
 from contbed.explain.sheets import unit
-from contbed.loading import mistakes_of, table_of
+from contbed.scene.refusals import mistakes_of, table_of
 from contbed.scene.toml_lines import KeyPath, dotted, one_line, parse_key, read
 
 _Table = TypeVar("_Table", bound=BaseModel)

@@ -26,8 +26,8 @@ from contbed.scene.mechanism import (
     mechanism_folders,
     other_format,
 )
-from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import KeyPath, Origin
+from contbed.scene.values import tables
 
 # bytes, unpacked, above which a file is only read with --allow-large
 LARGE_FILE = 500_000_000
@@ -36,27 +36,18 @@ _TRUST = "refused unless you trust it: --trust, in Python load(..., trust=True)"
 _ALLOW = "read only with --allow-large, in Python load(..., allow_large=True)"
 
 
-def named_files(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
+def named_files(part: Any) -> Iterator[tuple[KeyPath, str]]:
     """Yield key and name of the files that a scene names: meshes, closures,
     particles, mechanisms.
     """
-    if isinstance(part, Mapping):
-        for name, item in part.items():
-            yield from named_files(item, (*path, name))
-    elif isinstance(part, tuple | list):
-        for index, item in enumerate(part):
-            yield from named_files(item, (*path, index))
-    elif isinstance(part, Table):
-        for name in type(part).model_fields:
-            value = getattr(part, name)
+    for path, table in tables(part):
+        for name in ("file", "mechanism"):
+            value = getattr(table, name, None)
             named = name == "file" or (
-                name == "mechanism"
-                and (hasattr(part, "surface") or getattr(part, "composition", None))
+                hasattr(table, "surface") or getattr(table, "composition", None)
             )
             if named and isinstance(value, str):
                 yield (*path, name), value
-            else:
-                yield from named_files(value, (*path, name))
 
 
 def file_of(path: KeyPath, name: str, base: Path) -> Path | None:

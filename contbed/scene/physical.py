@@ -10,11 +10,13 @@ from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin
 
-from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from contbed.scene.checking import Mistakes
+from contbed.scene.quantities import Table
 from contbed.scene.series import ProfileFile, TemperatureSeries
+from contbed.scene.toml_lines import KeyPath
+from contbed.scene.values import tables
 
 # data of gases end here, and no solid of a bed is left: tungsten melts at 3695 K
 HOTTEST = 3700.0
@@ -39,7 +41,7 @@ def states_are_of_a_bed(parts: Mapping[str, Any], base: Path) -> Mistakes:
         else:
             continue
         yield path, f"{value:.6g} Pa: {text}; is the unit right?"
-    for path, value in chain(numbers_of("K", parts, ()), _of_files(parts, base, ())):
+    for path, value in chain(numbers_of("K", parts, ()), _of_files(parts, base)):
         if value > HOTTEST:
             text = f"above {HOTTEST:g} K no solid of a bed is left"
         elif value < COLDEST:
@@ -49,66 +51,38 @@ def states_are_of_a_bed(parts: Mapping[str, Any], base: Path) -> Mistakes:
         yield path, f"{value:.6g} K: {text}; is the unit right?"
 
 
-def numbers_of(
-    unit: str, part: Any, path: tuple[str | int, ...]
-) -> Iterator[tuple[tuple[str | int, ...], float]]:
+def numbers_of(unit: str, part: Any, path: KeyPath) -> Iterator[tuple[KeyPath, float]]:
     """Yield all temperatures, "K", or pressures, "Pa", below a table with their paths."""
-    if isinstance(part, Mapping):
-        for name, value in part.items():
-            yield from numbers_of(unit, value, (*path, name))
-    elif isinstance(part, BaseModel):
-        keys = _keys_in(unit, type(part))
-        for name in type(part).model_fields:
-            value = getattr(part, name)
-            if name in keys:
-                numbers = value if isinstance(value, tuple) else (value,)
-                yield from (
-                    ((*path, name), float(number))
-                    for number in numbers
-                    if isinstance(number, int | float)
-                )
-            yield from numbers_of(unit, value, (*path, name))
-    elif isinstance(part, tuple):
-        for index, value in enumerate(part):
-            if isinstance(value, BaseModel):
-                yield from numbers_of(unit, value, (*path, index))
+    for where, table in tables(part, path):
+        for name in _keys_in(unit, type(table)):
+            value = getattr(table, name)
+            for number in value if isinstance(value, tuple) else (value,):
+                if isinstance(number, int | float):
+                    yield (*where, name), float(number)
 
 
-def _of_files(
-    part: Any, base: Path, path: tuple[str | int, ...]
-) -> Iterator[tuple[tuple[str | int, ...], float]]:
+def _of_files(parts: Any, base: Path) -> Iterator[tuple[KeyPath, float]]:
     """Yield the lowest and highest temperature [K] of each file, which the checks have
     read.
     """
-    if isinstance(part, ProfileFile):
-        _, values = part.samples(base, "")
-    elif isinstance(part, TemperatureSeries) and part.file is not None:
-        values = part.samples(base).values
-    else:
-        for name, value in _items(part):
-            yield from _of_files(value, base, (*path, name))
-        return
-    for number in sorted({float(values.min()), float(values.max())}):
-        yield (*path, "file"), number
-
-
-def _items(part: Any) -> Iterator[tuple[str | int, Any]]:
-    """Yield names and values of a table, or items of a list."""
-    if isinstance(part, BaseModel):
-        yield from ((name, getattr(part, name)) for name in type(part).model_fields)
-    elif isinstance(part, Mapping):
-        yield from part.items()
-    elif isinstance(part, tuple):
-        yield from enumerate(part)
+    for path, part in tables(parts):
+        if isinstance(part, ProfileFile):
+            _, values = part.samples(base, "")
+        elif isinstance(part, TemperatureSeries) and part.file is not None:
+            values = part.samples(base).values
+        else:
+            continue
+        for number in sorted({float(values.min()), float(values.max())}):
+            yield (*path, "file"), number
 
 
 @cache
-def _keys_in(unit: str, model: type[BaseModel]) -> frozenset[str]:
+def _keys_in(unit: str, model: type[Table]) -> tuple[str, ...]:
     """Return the keys of a table that are temperatures, or pressures of a fluid."""
     fields = model.model_fields.items()
     if unit == "Pa":
-        return frozenset(name for name, _ in fields if name == "pressure")
-    return frozenset(
+        return tuple(name for name, _ in fields if name == "pressure")
+    return tuple(
         name
         for name, field in fields
         if not any(word in name for word in _NO_STATES)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import Any
 
+from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import KeyPath, parse_key
 
 
@@ -23,6 +25,21 @@ def at(part: Any, path: KeyPath) -> Any:
         except (KeyError, IndexError, TypeError, AttributeError):
             return None
     return part
+
+
+def tables(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Table]]:
+    """Yield all tables of a scene, of one of its tables or of a list, with their paths."""
+    below: Iterable[tuple[Any, Any]] = ()
+    if isinstance(part, Table):
+        yield path, part
+        below = ((name, getattr(part, name)) for name in type(part).model_fields)
+    elif isinstance(part, dict):
+        below = part.items()
+    elif isinstance(part, list | tuple):
+        below = enumerate(part)
+    for name, value in below:
+        if isinstance(value, Table | dict | list | tuple):
+            yield from tables(value, (*path, name))
 
 
 def with_value(part: Any, path: tuple[Any, ...], value: Any) -> Any:

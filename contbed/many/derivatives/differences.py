@@ -23,9 +23,9 @@ import numpy as np
 
 from contbed.arrays import Array
 from contbed.errors import ContbedError, SceneError
-from contbed.many.derivatives.keys import Key, continuous, numbers_of
+from contbed.many.derivatives.keys import Key, continuous
 from contbed.scene.tables import SceneBase
-from contbed.scene.values import with_value
+from contbed.scene.values import tables, with_value
 
 Results = Callable[[SceneBase], Array]
 
@@ -192,7 +192,11 @@ def _at_no_distance(distances: Array, found: Array, order: int) -> tuple[Array, 
 
 def seeds(scene: SceneBase) -> list[tuple[tuple[Any, ...], int]]:
     """Return paths and values of the seeds of a scene."""
-    return [(path, value) for path, value in numbers_of(scene) if path[-1] == "seed"]
+    return [
+        ((*path, "seed"), seed)
+        for path, table in tables(scene)
+        if isinstance(seed := getattr(table, "seed", None), int)
+    ]
 
 
 def with_seeds(

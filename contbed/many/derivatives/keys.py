@@ -155,28 +155,6 @@ def continuous(scene: SceneBase) -> list[Key]:
     return [_key(scene, path, value) for path, value in _numbers(scene, ())]
 
 
-def numbers_of(scene: SceneBase) -> Iterator[tuple[tuple[Any, ...], Any]]:
-    """Yield paths and values of all numbers of a scene, whole ones and defaults
-    included.
-    """
-    pending: list[tuple[tuple[Any, ...], Any]] = [((), scene)]
-    while pending:
-        path, part = pending.pop()
-        if isinstance(part, Table):
-            below: Any = [
-                (name, getattr(part, name)) for name in type(part).model_fields
-            ]
-        elif isinstance(part, dict):
-            below = part.items()
-        elif isinstance(part, list | tuple):
-            below = enumerate(part)
-        else:
-            if isinstance(part, int | float) and not isinstance(part, bool):
-                yield path, part
-            continue
-        pending += [((*path, name), value) for name, value in below]
-
-
 def _numbers(part: Any, above: KeyPath) -> Iterator[tuple[KeyPath, float]]:
     """Yield paths and values of the numbers that a table gives."""
     if isinstance(part, Table):
