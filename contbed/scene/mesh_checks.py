@@ -79,7 +79,7 @@ def mesh_file_exists(mesh: Mesh, see: See, origin: Origin) -> Mistakes:
 
 
 def axis_of(mesh: Mesh) -> int:
-    """Return the direction along which a bed is long where no stream tells."""
+    """Return the direction along which a bed is long where no stream determines it."""
     return 1 if isinstance(mesh, MeshAxisymmetric) else 0
 
 
