@@ -200,6 +200,8 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
     given = role(scene.mesh, tuple(velocity.tolist()), name, scene.boundary)
     if given is not None:
         return given
+    if not np.any(velocity):  # at rest
+        return "slip"
     if (
         mesh.axisymmetric
         and np.abs(
