@@ -327,6 +327,12 @@ def _sentence(
             f"{text}: correct its sign, or let it run back only where there are "
             "products"
         )
+    if rate < 0.0:
+        return (
+            f"{text}: an order in {amount.species} would stop it forward as well; give "
+            "a formula whose part that runs back ends, such as "
+            "k*n_A*max(1 - p_B/K, 0), with -> in the equation"
+        )
     name = f"{'c' if amount.gas else 'n'}_{amount.species.removesuffix(_suffix(problem, reaction))}"
     if problem.scene.reactions[reaction.key].rate is None:
         return f"{text}: give an order in {amount.species} in `orders`"

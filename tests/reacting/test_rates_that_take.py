@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from reacting_bed_scenes import MOLAR, T, isothermal, let_move, solids, species
 from several_solids import split
+from solving import CLOSED
 from test_bad_reacting import GOOD
 from typer.testing import CliRunner
 
@@ -20,8 +21,9 @@ from contbed.models import plan
 from contbed.reacting_bed import rate_checks
 from contbed.reacting_bed.rate_checks import taken_though_absent, taken_to_the_end
 from contbed.reacting_bed.solve import Report, newton_step
+from tests.balances import assert_closed
 from tests.refusals import refused
-from tests.scene_text import set_keys
+from tests.scene_text import scene_of, set_keys
 
 
 def bed(rate, composition="A:1", **more):
@@ -46,6 +48,54 @@ def test_rates_that_run_back_may_be_negative():
     assert result.qoi["x_A_out"] == pytest.approx(
         0.5 * (1.0 - 2.718281828 ** (-2.0 * 0.4 / 0.5)), abs=1e-5
     )
+
+
+LIME = """
+model = "packed_bed"
+mesh = { type = "line", length = 6 }
+packed_bed = { porosity = 0.45, pressure_drop = "none" }
+heat = {}
+closures = { nusselt = "gunn" }
+
+[gas]
+model = "cantera"
+composition = "N2:0.72, CO2:0.28"
+viscosity = 4e-5
+conductivity = 0.08
+
+[solids.stone]
+diameter = 0.04
+composition = "CaCO3:1"
+density = 2700
+
+[boundary.left]
+gas = { mass_flux = 2.2, temperature = 1573 }
+
+[boundary.right]
+solids.stone = { velocity = 3.7e-4, temperature = 298 }
+"""
+
+
+def test_lime_that_would_form_where_there_is_none():
+    """Limestone that sinks against hot gas: in the cold part the law runs back without
+    lime. The advised formula burns it, by the heat that the gas gives: the extent
+    times 178 kJ/mol and what leaves account for what enters.
+    """
+    shaft = scene_of(LIME)
+    law = {"equation": "CaCO3 <-> CaO + CO2", "law": "power", "A": 3e6, "E": 180e3}
+    shaft["reactions"] = {"calcination": law}
+    said = r"of CaO where .* would stop it forward as well; give a formula .*max\(1 - "
+    with pytest.raises(ConvergenceError, match=said):
+        contbed.run(from_dict(shaft))
+    shaft["reactions"]["calcination"] = {
+        "equation": "CaCO3 -> CaO + CO2",
+        "rate": "k*exp(-E/(R*T))*n_CaCO3*max(1 - p_CO2/(4.137e12*exp(-20474/T)), 0)",
+        "parameters": {"k": 3e6, "E": 180e3},
+        "basis": "particle",
+    }
+    result = contbed.run(from_dict(shaft))
+    assert 0.5 < result.qoi["conversion_CaCO3"] < 1.0
+    assert_closed(result, CLOSED, "Ca", "C", "energy")
 
 
 def test_a_rate_that_does_not_end_is_no_state_that_can_be():
