@@ -378,7 +378,7 @@ def test_a_changed_geometry_and_another_version_are_changed_scenes(folder, monke
 def test_a_changed_mechanism_is_computed_again(folder, runner):
     gas = 'model = "cantera"\ncomposition = "N2:1"\nmechanism = "mine.yaml"'
     (folder / "scene.toml").write_text(
-        SCENE.replace("density = 1\nviscosity = 2e-5", gas)
+        SCENE.replace("density = 1\nviscosity = 2e-5", gas) + "gas.temperature = 300\n"
     )
     (folder / "mine.yaml").write_text("a: 1\n")
     assert sweep() == 0
