@@ -13,6 +13,7 @@ from contbed.dem.particle_files import read_particles, write_particles
 from contbed.dem.particle_tables import has_radii, read_table
 from contbed.errors import SceneError
 from contbed.loading import from_dict
+from tests.cases import each_case
 from tests.refusals import refusal, refused
 
 # six spheres on a plane, written by LIGGGHTS 3.8.0 and LAMMPS 2022-01-06; contacts
@@ -147,24 +148,7 @@ def test_files_that_are_not_there_or_not_text(tmp_path):
 TWO = np.array([[1.0, 2, 3], [4e-3, 5, 6]])
 
 
-@pytest.mark.parametrize(
-    ("text", "radius", "velocity"),
-    [
-        ("# x,y,z\n1,2,3\n\n4e-3,5,6\n", None, None),
-        ("x,y,z\n1,2,3\n4e-3,5,6\n", None, None),
-        ("z [m],radius [m],x (m),Y\n3,0.1,1,2\n6,0.2,4e-3,5\n", [0.1, 0.2], None),
-        (
-            "x,y,z,diameter,vx,vy,vz\n1,2,3,0.2,7,8,9\n4e-3,5,6,0.4,0,0,1\n",
-            [0.1, 0.2],
-            [[7, 8, 9], [0, 0, 1]],
-        ),
-        (
-            '"radius","Points:0","Points:1","Points:2"\n0.1,1,2,3\n0.2,4e-3,5,6\n',
-            [0.1, 0.2],
-            None,
-        ),
-    ],
-)
+@each_case(__file__, "tables")
 def test_tables(tmp_path, text, radius, velocity):
     path = tmp_path / "x.csv"
     path.write_text(text)
@@ -176,27 +160,7 @@ def test_tables(tmp_path, text, radius, velocity):
     assert has_radii(path) == (radius is not None)
 
 
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("1,2,3\n1,2\n", r"x\.csv:2: 2 numbers where 3 finite ones"),
-        (
-            "x,y\n1,2\n",
-            r"x\.csv:1: neither three numbers nor a header with z; write a header such as x,y,z",
-        ),
-        (
-            "# one\n1;2;3\n",
-            r"x\.csv:2: neither three numbers nor a header with x, y, z; write a header",
-        ),
-        ("x [mm],y,z\n1,2,3\n", r"x\.csv:1: x is in \[mm\]; convert it to m$"),
-        ("x,y,z\n1,2,a\n", r"x\.csv:2: not 3 numbers: '1,2,a'"),
-        (
-            "x,y,z,radius\n1,2,3,0\n",
-            r"x\.csv:1: the radius of particle 1 is not above 0",
-        ),
-        ("x,y,z\n", r"x\.csv:1: no particle in this file"),
-    ],
-)
+@each_case(__file__, "tables_that_cannot_be_read")
 def test_tables_that_cannot_be_read(tmp_path, text, told):
     path = tmp_path / "x.csv"
     path.write_text(text)

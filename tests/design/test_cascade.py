@@ -22,7 +22,7 @@ from contbed.many.validate.case import read_case
 from contbed.materials import gas_mixture
 from contbed.runner import run
 from contbed.scene.tables import ClosureFile
-from tests.cases import cases_of
+from tests.cases import each_case
 from tests.command_line import command
 from tests.refusals import refusal, refused
 from tests.report.report_file import charts_of
@@ -332,9 +332,7 @@ def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
     )[0]
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "says"), cases_of(__file__, "mistakes", "old", "new", "says")
-)
+@each_case(__file__, "mistakes")
 def test_mistakes(tmp_path, old, new, says):
     assert old in FILE
     assert says in refusal(

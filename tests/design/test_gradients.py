@@ -11,6 +11,7 @@ from contbed.many.derivatives.gradients import gradient, gradient_of
 from contbed.many.derivatives.keys import continuous, key
 from contbed.models import MODELS
 from contbed.scene.values import with_value
+from tests.cases import each_case
 from tests.refusals import refused
 
 OUT = ["T_fluid_out_K"]
@@ -24,21 +25,7 @@ def test_keys_that_a_scene_gives():
     assert not {"mesh.cells", "solver.degree", "closures.conductivity_gas"} & set(names)
 
 
-@pytest.mark.parametrize(
-    ("name", "told"),
-    [
-        ("mesh.cells", "line 4|:4: mesh.cells is an integer"),
-        ("mesh.type", "a choice or a name"),
-        ("solids.particles.shape", "a choice or a name"),
-        ("solver.stabilisation", "true or false"),
-        ("solver.tolerance", "numerical method"),
-        ("packed_bed", "is a table; give one of its keys: porosity"),
-        ("time.end", "is not given in the scene"),
-        ("packed_bed.porosty", "did you mean packed_bed.porosity"),
-        ("packed_bed..porosity", "is not a dotted key"),
-        ("closures.conductivity_solids", "closure's parameters"),
-    ],
-)
+@each_case(__file__, "keys_without_a_derivative_are_refused_by_name")
 def test_keys_without_a_derivative_are_refused_by_name(name, told):
     refused(told, lambda: gradient(loads(SLIP), OUT, ["packed_bed.porosity", name]))
 

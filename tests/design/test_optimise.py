@@ -21,7 +21,7 @@ from contbed.errors import ConvergenceError, SceneError
 from contbed.many.optimise import evaluations, plots
 from contbed.many.optimise.expression import read_expression
 from contbed.many.optimise.reading import read_design
-from tests.cases import cases_of
+from tests.cases import each_case
 from tests.command_line import command
 from tests.refusals import problems_of, refusal
 from tests.report.report_file import charts_of
@@ -318,9 +318,7 @@ def test_formulas_with_prices_and_whole_numbers(folder, runner):
     assert "all 4 choices of integers were tried" in found["verdict"]
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "told"), cases_of(__file__, "mistakes", "old", "new", "told")
-)
+@each_case(__file__, "mistakes")
 def test_mistakes_are_told_before_any_run(folder, runner, capsys, old, new, told):
     change(folder, (old, new))
     assert optimise() == 2

@@ -11,6 +11,7 @@ from design_scenes import SLIP
 from contbed.cli import main
 from contbed.loading import loads
 from contbed.many.derivatives.gradients import gradient
+from tests.cases import each_case
 
 
 @pytest.fixture
@@ -84,14 +85,7 @@ def test_json(scene, capsys):
     assert len(found["derivatives"][0]) == 2
 
 
-@pytest.mark.parametrize(
-    ("more", "told"),
-    [
-        (("--to", "mesh.cells"), "slip.toml:4: mesh.cells is an integer"),
-        (("--to", "packed_bed.porosty"), "did you mean packed_bed.porosity"),
-        (("--qoi", "T_fluid_ou"), "did you mean T_fluid_out_K"),
-    ],
-)
+@each_case(__file__, "refusals")
 def test_refusals(scene, capsys, more, told):
     assert run(scene, *more) == 2
     assert told in capsys.readouterr().err

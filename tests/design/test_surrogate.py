@@ -16,6 +16,7 @@ from contbed.many.optimise import plots
 from contbed.many.optimise.reading import read_design
 from contbed.many.optimise.surrogate import expected_improvement
 from contbed.models import MODELS
+from tests.cases import each_case
 from tests.refusals import refusal
 
 pytest.importorskip(
@@ -244,33 +245,7 @@ def test_runs_that_fail_are_left_out(folder, runner):
     assert summary(folder)["runs"]["failed"] > 0
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "told"),
-    [
-        (
-            '"surrogate"',
-            '"annealing"',
-            'toml:3: method = "annealing": unknown choice; allowed: gradient, surrogate',
-        ),
-        (
-            "<= 0.7",
-            "== 0.7",
-            'constraints[0]: "pressure_drop_Pa == 0.7": without gradients no point '
-            "fulfils it; give",
-        ),
-        ("minimise", "repeats = 2\nminimise", "toml:4: repeats: the scene has no seed"),
-        (
-            '"surrogate"',
-            '"gradient"\nrepeats = 2',
-            "repeats: a search by gradients runs a point once",
-        ),
-        (
-            '"scene.toml"\nmethod = "surrogate"',
-            '"particles.toml"\nmethod = "gradient"',
-            "no gradients to follow",
-        ),
-    ],
-)
+@each_case(__file__, "mistakes")
 def test_mistakes(folder, old, new, told):
     assert old in DESIGN
     (folder / "design.toml").write_text(DESIGN.replace(old, new))

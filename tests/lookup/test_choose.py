@@ -11,6 +11,7 @@ from contbed.cli.rank_closures import conditions, derived, fluidized, kind_for, 
 from contbed.closures import registry
 from contbed.explain.sheets import entries, explain, search
 from contbed.reacting_bed.closures import places_of
+from tests.cases import each_case
 from tests.command_line import command
 from tests.refusals import refused
 
@@ -22,32 +23,7 @@ def test_conditions_are_in_si():
     )
 
 
-@pytest.mark.parametrize(
-    ("text", "part"),
-    [
-        ("d_p", "no NAME=VALUE"),
-        ("dp=1 mm", "no argument of a closure"),
-        ("d_p=1 kg", "expected a length"),
-        (
-            "d_p=-3 um",
-            r"d_p = -3 um: -3e-06 m; particle diameter must be in \(0, inf\)",
-        ),
-        ("d_p=0", r"d_p = 0: 0 m; .* must be in \(0, inf\)"),
-        ("T=-300 degC", r"-26.85 K; temperature must be in \(0, inf\)"),
-        ("eps=1.2", r"eps = 1.2: 1.2; porosity must be in \(0, 1\]"),
-        ("d_p=inf", "particle diameter must be in"),
-        ("u=nan", "u = nan: superficial velocity must be a finite number"),
-        ("d_p=1 mm, d_p=2 mm", "d_p is given twice"),
-        (
-            "eps=0.4, eps_s=0.5",
-            "eps = 0.4 and eps_s = 0.5 must sum to 1; give one of them",
-        ),
-        (
-            "rho_g=1.2, rho=2",
-            "rho_gas = 1.2 and rho = 2 are one quantity; give one of them",
-        ),
-    ],
-)
+@each_case(__file__, "bad_conditions_say_what_is_wrong")
 def test_bad_conditions_say_what_is_wrong(text, part):
     refused(part, conditions, text)
 

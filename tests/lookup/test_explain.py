@@ -13,6 +13,7 @@ from contbed.explain.jobs import JOBS
 from contbed.explain.sheets import explain
 from contbed.models import MODELS
 from contbed.scene import schema
+from tests.cases import each_case
 from tests.command_line import command
 
 PARTS = catalogue.last_parts(catalogue.keys())
@@ -90,43 +91,13 @@ def test_every_key_is_found_by_its_last_part():
             assert name == part or f"    {name}" in text
 
 
-@pytest.mark.parametrize(
-    ("words", "part"),
-    [
-        (["calcination"], "silcox: CaCO3 <-> CaO + CO2 [mol/m2/s/Pa], 900 to 1400 K"),
-        (["sulphate_reduction"], "rate law of sulphate_reduction"),
-        (["howard"], "rate law of CO_oxidation"),
-        (["shrinking_core"], "[reactions.NAME] needs A, E, diffusivity"),
-        (
-            ["closures"],
-            "drag                         drag coefficient per volume of the bed: "
-            "beetstra, di_felice",
-        ),
-        (["material"], "iron_ore                     dense grains of hematite"),
-        (["material"], "    gas.material"),
-        (["rate", "laws"], "xu_froment_shift"),
-        (["no_slip"], "boundary.NAME.type"),
-        (["minimum", "fluidization"], "minimum fluidization - "),
-        (
-            ["k_eff"],
-            "k_eff [W/m/K] - named result, [W/m/K]: effective thermal conductivity",
-        ),
-        (
-            ["cascade"],
-            "contbed cascade - command: Compute a bed with closures from particles",
-        ),
-    ],
-)
+@each_case(__file__, "words_that_users_have")
 def test_words_that_users_have(capsys, words, part):
     assert cli.main(["explain", *words]) == 0
     assert part in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("name", "near"),
-    [("calcinaton", "calcination"), ("materal", "material"), ("no_slp", "no_slip"), ("optimize", "optimise"),
-     ("porositi", "porosity")],
-)  # fmt: skip
+@each_case(__file__, "the_nearest_names_are_told")
 def test_the_nearest_names_are_told(capsys, name, near):
     assert command(f"explain {name}") == 2
     assert (

@@ -12,6 +12,7 @@ import contbed as cb
 from contbed.loading import from_dict
 from contbed.scene.identity import resolved
 from contbed.scene.library import MATERIALS, data_sheet
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import scene_of
 
@@ -105,13 +106,7 @@ def test_printed_values(key):
         )
 
 
-@pytest.mark.parametrize(
-    ("name", "mass", "shomate"),
-    [
-        ("sand", 60.0843e-3, (-6.076591, 251.6755, -324.7964, 168.5604, 0.002548)),
-        ("iron_ore", 159.6882e-3, (93.43834, 108.3577, -50.86447, 25.58683, -1.611330)),
-    ],
-)
+@each_case(__file__, "heat_capacities_follow_the_shomate_equation")
 def test_heat_capacities_follow_the_shomate_equation(name, mass, shomate):
     a, b, c, d, e = shomate
     for T in np.linspace(*MATERIALS[name].T_range, 23):
@@ -172,27 +167,7 @@ def test_the_range_of_a_material_is_watched():
     )
 
 
-@pytest.mark.parametrize(
-    ("solid", "part"),
-    [
-        ({"material": "alumna"}, "did you mean 'alumina'"),
-        ({"material": "solar_salt"}, "is a fluid, not a solid"),
-        (
-            {"material": "alumina", "material_temperature": "3000 degC"},
-            "known from 293 to 1773 K",
-        ),
-        (
-            {
-                "density": 1,
-                "heat_capacity": 1,
-                "conductivity": 1,
-                "material_temperature": 300,
-            },
-            "no use without material",
-        ),
-        ({"material": "FCC"}, "solids.beads.heat_capacity: missing"),
-    ],
-)
+@each_case(__file__, "mistakes")
 def test_mistakes(solid, part):
     refused(
         part, lambda: cb.load({**BED, "solids": {"beads": solid | {"diameter": 0.01}}})
@@ -237,16 +212,6 @@ def test_particles_of_other_scenes_are_of_a_material():
     assert riser.solid.density == 1400.0
 
 
-@pytest.mark.parametrize(
-    ("added", "part"),
-    [
-        (
-            {"material": "alumina", "material_temperature": 3000.0},
-            "known from 293 to 1773 K",
-        ),
-        ({"material_temperature": 300.0}, "no use without material"),
-        ({"material": "sandd", "material_temperature": 300.0}, "did you mean 'sand'"),
-    ],
-)
+@each_case(__file__, "mistakes_of_solids")
 def test_mistakes_of_solids(added, part):
     refused(part, scene_with, "bubbling_bed_case1/p1.toml", INERT, added)

@@ -6,27 +6,14 @@ import pytest
 
 import contbed as cb
 from contbed.errors import SceneError
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import scene_of
 
 PACKAGE = Path(cb.__file__).parent
 
 
-@pytest.mark.parametrize(
-    ("model", "key", "value", "part"),
-    [
-        (
-            "bubbling_bed",
-            "solids.sand.gas_coefficient",
-            "ranz_marshall",
-            "kind nusselt: for solids.sand.nusselt or .*closures.nusselt",
-        ),
-        ("packed_bed", "packed_bed.porosity", "gunn", "for closures.nusselt"),
-        ("two_fluid", "closures.drag", "gunn", "for closures.nusselt"),
-        ("two_fluid", "gas.density", "wen_yu", "kind drag: for closures.drag"),
-        ("packed_bed", "packed_bed.porosity", "wen_yu", "for no key of this model"),
-    ],
-)
+@each_case(__file__, "the_right_key_is_named")
 def test_the_right_key_is_named(model, key, value, part):
     text = (PACKAGE / model / "template.toml").read_text()
     refused(part, cb.load, scene_of(text, {key: value}))

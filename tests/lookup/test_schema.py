@@ -12,6 +12,7 @@ from contbed.explain import editor
 from contbed.explain.closure_keys import closure_keys
 from contbed.models import MODELS, kind_of
 from contbed.scene import schema
+from tests.cases import each_case
 from tests.command_line import command
 
 jsonschema = pytest.importorskip(
@@ -54,17 +55,7 @@ def test_every_scene_of_the_project_is_valid(validators):
     assert seen == set(MODELS)
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("porosity = 0.4", "porosity = 4"),
-        ("porosity = 0.4", "porosty = 0.4"),
-        ('length = "0.6 m"', 'length = "long"'),
-        ('length = "0.6 m"', "length = -1"),
-        ('type = "line"', 'type = "lines"'),
-        ("density = 2200.0", 'material = "aluminia"'),
-    ],
-)
+@each_case(__file__, "mistakes_are_found")
 def test_mistakes_are_found(validators, old, new):
     text = editor.template("packed_bed")
     assert old in text

@@ -9,7 +9,7 @@ from CoolProp.CoolProp import PropsSI
 
 from contbed.errors import SceneError
 from contbed.materials import real_fluid
-from tests.cases import cases_of
+from tests.cases import each_case
 from tests.refusals import refused
 
 CASES = {
@@ -111,9 +111,7 @@ def test_shapes_and_pickling():
     assert fluid.table_error < 1e-7
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"), cases_of(__file__, "mistakes", "arguments", "words")
-)
+@each_case(__file__, "mistakes")
 def test_mistakes_are_told(arguments, words):
     with pytest.raises(SceneError) as caught:
         real_fluid(*arguments)

@@ -12,7 +12,7 @@ import pytest
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.materials import gas_mixture
-from tests.cases import cases_of
+from tests.cases import each_case
 from tests.refusals import problems_of, refused
 
 PRESSURE = 2.3e5
@@ -143,9 +143,7 @@ def test_cost_does_not_grow_with_species():
     assert [len(c) for c in gas._heat_capacity] == [5, 5]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"), cases_of(__file__, "mistakes", "arguments", "words")
-)
+@each_case(__file__, "mistakes")
 def test_mistakes_are_told(arguments, words):
     with pytest.raises(SceneError) as caught:
         gas_mixture(*arguments)
@@ -184,11 +182,7 @@ def test_share_outside():
     assert gas.share_outside(500.0) == 0.0
 
 
-@pytest.mark.parametrize(("text", "good"), [
-    ("N2:0.79, O2:0.21", True), ("N2:3.76, O2:1", True), ("N2", True),
-    ("N2:0.7901, O2:0.2101", True),
-    ("N2:0.5, O2:0.6", False), ("N2:0.79, O2:0.12", False),
-])  # fmt: skip
+@each_case(__file__, "fractions_sum_to_one")
 def test_fractions_sum_to_one(text, good):
     """Fractions that do not are a mistake of the scene; amounts above 1 are in
     moles, in any scale.

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from dolfinx_launch import started
 
+from tests.cases import each_case
+
 STUDIES = Path(__file__).parents[2] / "studies"
 SCENE = """\
 [mesh]
@@ -112,22 +114,7 @@ def test_what_the_engine_lacks_is_named(tmp_path: Path, ranks: int) -> None:
     assert done.stderr.count("do not run on several ranks") == 1
 
 
-@pytest.mark.parametrize(
-    ("study", "what"),
-    [
-        (
-            "patil_packed_bed/schumann.toml",
-            "fronts tracked along characteristics .* do not run on several ranks",
-        ),
-        ("lattices/sc.toml", "kind particles gains nothing from ranks"),
-        ("reformer_tube/tube_U300.toml", "kind reacting_bed gains nothing from ranks"),
-        ("bubbling_bed_case1/p1.toml", "kind bubbling_bed gains nothing from ranks"),
-        (
-            "two_fluid_checks/developed.toml",
-            "kind developed_flow gains nothing from ranks",
-        ),
-    ],
-)
+@each_case(__file__, "other_models_are_refused_by_name")
 def test_other_models_are_refused_by_name(study: str, what: str) -> None:
     from contbed.errors import EngineError
     from contbed.loading import load
@@ -152,13 +139,7 @@ def test_a_rank_that_fails_ends_all() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("scene", "key", "value", "error", "code"),
-    [
-        ("heat_gas_walls", "solver.newton_iterations", "1", "ConvergenceError", 3),
-        ("heat_constant", "solver.balance_tolerance", "1e-30", "BalanceError", 5),
-    ],
-)
+@each_case(__file__, "all_ranks_meet_the_error_of_the_root_rank")
 def test_all_ranks_meet_the_error_of_the_root_rank(
     results, scene, key, value, error: str, code: int
 ) -> None:

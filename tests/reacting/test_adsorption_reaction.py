@@ -16,6 +16,7 @@ from contbed.loading import from_dict
 from contbed.particle.uptake import invert
 from contbed.reacting_bed.plan import plan
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import set_keys
 
@@ -248,14 +249,7 @@ def test_the_plan_resolves_points_where_adsorbed_gases_react():
     assert "as adsorbed gases react" in dict(found.built)["adsorption of A"]
 
 
-@pytest.mark.parametrize(
-    "inside",
-    [
-        {"mass": "interior", "diffusivity": {"A": 1e-6, "B": 1e-6}},
-        {"diffusivity": {"A": 1e-6, "B": 1e-6}},
-        {"mass": "effectiveness"},
-    ],
-)
+@each_case(__file__, "pores_are_modelled_once")
 def test_pores_are_modelled_once(inside):
     scene, unit = reacting(1.0, 0.3, "film")
     scene["time"]["end"] = unit

@@ -9,6 +9,7 @@ import pytest
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.models import plan
+from tests.cases import each_case
 from tests.refusals import refused
 
 GOOD = """
@@ -57,57 +58,7 @@ def test_the_scene_without_mistakes_is_taken():
     assert loads(GOOD).kind == "reacting_bed"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("CO2 + 2 H2O", "CO2 + H2O", "loses 2 atoms of H per mole of reaction"),
-        ("CO2 + 2 H2O", "CO2 + H2O", "reactions.burning.equation"),
-        (
-            'E = "50 kJ/mol"\n',
-            "",
-            "reactions.burning.E: missing; the law power needs the activation energy",
-        ),
-        ('E = "50 kJ/mol"', 'E = "50 kJ"', "expected a quantity like 'J/mol'"),
-        ("A = 1.0", "A = -1.0", "out of range; allowed: a number >= 0"),
-        ("CH4:0.5, O2:0.5", "CH4:0.5, O2:0.6", "fractions sum to 1.1, not to 1"),
-        ("A = 1.0", 'A = 1.0\nlaw = "powr"', "unknown rate law; allowed: power"),
-        ("A = 1.0", "A = 1.0\norders = { CH5 = 1.0 }", "there is no 'CH5'"),
-        (
-            "CH4 + 2 O2 -> CO2",
-            "CH4 + 2 Oxygen -> CO2",
-            "'Oxygen' is no chemical formula",
-        ),
-        ("CH4 + 2 O2 -> CO2", "CH4 + 2 O2 = CO2", "needs one arrow"),
-        (
-            "[boundary.left]\n",
-            "[boundary.left]\ngas.velocity = 0.5\n[boundary.right]\n",
-            "gives the flow of the gas already",
-        ),
-        ("velocity = 0.5", "velocity = -0.5", "the gas does not enter here"),
-        ("velocity = 0.5", "velocity = 0.0", "no gas flows"),
-        (
-            "gas.velocity = 0.5",
-            "gas.velocity = 0.5\ngas.mass_flux = 1.0",
-            "give one of velocity, mass_flux, molar_flux",
-        ),
-        (
-            "gas.velocity = 0.5\n",
-            "",
-            "the gas has no flow; give one of velocity, mass_flux, molar_flux",
-        ),
-        (
-            "[packed_bed]\n",
-            "[closures]\nnusselt = 'nusselt_gun'\n[packed_bed]\n",
-            "nusselt_gunn",
-        ),
-        (
-            "equation = ",
-            "basis = 'catalyst'\nequation = ",
-            "solids.particles.density: missing; the rate of reactions.burning is per "
-            "mass of catalyst",
-        ),
-    ],
-)
+@each_case(__file__, "mistakes_of_gas_reactions")
 def test_mistakes_of_gas_reactions(old, new, said):
     with pytest.raises(SceneError) as found:
         loads(GOOD.replace(old, new), "bed.toml")
@@ -115,36 +66,7 @@ def test_mistakes_of_gas_reactions(old, new, said):
     assert "bed.toml:" in str(found.value)
 
 
-@pytest.mark.parametrize(
-    ("rate", "said"),
-    [
-        ('rate = "k*c_CH4"', "'k' is not known in this formula"),
-        ('rate = "c_CH4*"', "cannot be read as a formula"),
-        (
-            'rate = "2.5 mol*c_CH4"',
-            "'2.5 mol': a number in a formula has no unit; write it in SI",
-        ),
-        (
-            'rate = "1.5e-3 kPa*c_CH4"',
-            "'1.5e-3 kPa': a number in a formula has no unit",
-        ),
-        ('rate = "__import__(c_CH4)"', "there is no function '__import__'"),
-        ('rate = "c_CH4.real"', "only numbers, names"),
-        (
-            'rate = "c_CH4"\nunit = "mol/kg/s"',
-            "give one such as mol/m**3/s",
-        ),
-        (
-            'rate = "k*c_CH4"\nparameters = { k = "3 1/parsnip" }',
-            "unknown unit '1/parsnip'",
-        ),
-        (
-            'rate = "k*c_CH4"\nunit = "kmol/m**3/h"\nparameters = { k = "3 1/h" }',
-            "parameters.k has a unit and is taken in SI",
-        ),
-        ('rate = "c_CH4"\nA = 1.0', "a formula is the whole rate"),
-    ],
-)
+@each_case(__file__, "mistakes_of_formulas")
 def test_mistakes_of_formulas(rate, said):
     text = GOOD.replace('A = 1.0\nE = "50 kJ/mol"', rate)
     with pytest.raises(SceneError, match=r"bed\.toml:") as found:
@@ -152,31 +74,7 @@ def test_mistakes_of_formulas(rate, said):
     assert said in str(found.value)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        (
-            "O2 = { h",
-            "O2 = { conductivity = [0.03, 0, -600], h",
-            r"O2\.conductivity.*: gives -0\.15 W/m/K at 500 K",
-        ),
-        (
-            "O2 = { h",
-            "O2 = { viscosity = [-2e-5], h",
-            r"O2\.viscosity.*: gives -2e-05 Pa s at 500 K",
-        ),
-        (
-            "O2 = { heat_capacity = 30.0",
-            "O2 = { shomate = [30, -80, 0, 0, 0, 1]",
-            r"O2\.shomate.*: gives -10 J/mol/K at",
-        ),
-        (
-            "FeO = { heat_capacity = 50.0",
-            "FeO = { shomate = [30, -80, 0, 0, 0, 1]",
-            r"constituent\.FeO\.shomate.*: gives",
-        ),
-    ],
-)
+@each_case(__file__, "properties_that_are_negative_where_streams_enter")
 def test_properties_that_are_negative_where_streams_enter(old, new, said):
     text = (filled(GOOD) + "[heat]\n[time]\nend = 1.0\n").replace(old, new)
     refused(r"bed\.toml:\d+: .*" + said, loads, text, "bed.toml")

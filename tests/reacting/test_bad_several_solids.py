@@ -9,6 +9,7 @@ import pytest
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.models import plan
+from tests.cases import each_case
 from tests.refusals import refused
 
 GOOD = """
@@ -70,83 +71,7 @@ def test_the_scene_without_mistakes_is_planned():
     assert "at the particles, coke" in text and "FeO_ore, Fe_ore, C_coke" in text
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        (
-            "volume_share = 0.4",
-            "volume_share = 0.5",
-            "solids: the shares of the volume sum to 1.1, not to 1",
-        ),
-        (
-            '"30 mm"',
-            '"30 m"',
-            'solids.coke.diameter = "30 m": 30 m is more than the length of the bed',
-        ),
-        (
-            "[solids.ore]",
-            "[solid]\ndensity = 1.0\n[solids.ore]",
-            "this key is called 'solids.NAME' now",
-        ),
-        ("solids.coke", "solids.coke_1", "letters and digits in its name"),
-        (
-            'equation = "C + CO2',
-            'solid = "coal"\nequation = "C + CO2',
-            "there is no solid phase 'coal'; allowed: ore, coke",
-        ),
-        (
-            "[reactions.boudouard]",
-            '[reactions.boudouard]\nbasis = "bed"\nsolid = "coke"',
-            "is not that of a phase",
-        ),
-        (
-            'composition = "C:1"',
-            'composition = "C:0.8"',
-            'solids.coke.composition = "C:0.8": fractions sum to 0.8',
-        ),
-        (
-            "density = 1000.0\n",
-            "",
-            "solids.coke.density: missing; or give solids.coke.constituent.C.density",
-        ),
-        (
-            'solids.coke.velocity = "1',
-            'solids.coke.velocity = "-1',
-            "solid phases that move go one way",
-        ),
-        ('solids.coke.velocity = "1 mm/s"', "", "takes C of particles at rest"),
-        (
-            "density = 1000.0",
-            "density = 1000.0\nnusselt = 3.0",
-            "add closures.nusselt, which holds for the other phases",
-        ),
-        (
-            "density = 1000.0",
-            "density = 1000.0\nsherwood = 3.0",
-            "has no meaning without closures.sherwood",
-        ),
-        (
-            "{ C = {",
-            "{ FeO = { heat_capacity = 51.0 }, C = {",
-            "has other data in solids.ore",
-        ),
-        (
-            "solids.coke.velocity",
-            "solids.coal.velocity",
-            "no such solid phase; allowed: ore, coke",
-        ),
-        (
-            "gas.velocity = 0.5",
-            "gas.velocity = 0.5\nsolids.ore.velocity = 0.001",
-            "gives it already; remove one",
-        ),
-        (
-            "gas.temperature",
-            "solids.ore.temperature = 300.0\ngas.temperature",
-            "ore does not enter here",
-        ),
-    ],
-)
+@each_case(__file__, "mistakes")
 def test_mistakes(old, new, said):
     assert old in GOOD
     with pytest.raises(SceneError, match=r".*:\d+: ") as error:
@@ -206,32 +131,7 @@ inflow = 300.0
 """
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        (2, "fluid: this key is called 'gas' now"),
-        (6, "bed.porosity: this key is called 'packed_bed.porosity' now"),
-        (7, "bed.particle_diameter: this key is called 'solids.NAME.diameter' now"),
-        (9, "flow.velocity: give boundary.NAME.gas.velocity where the gas enters"),
-        (10, "solid: this key is called 'solids.NAME' now"),
-        (13, "heat.nusselt: this key is called 'closures.nusselt' now"),
-        (15, "mass.sherwood: this key is called 'closures.sherwood' now"),
-        (17, "wall.diameter: this key is called 'mesh.diameter' now"),
-        (18, "wall.coefficient: this key is called 'boundary.wall.coefficient' now"),
-        (19, "particle: this key is called 'solids.NAME.inside' now"),
-        (21, "adsorption: this key is called 'solids.NAME.adsorption' now"),
-        (
-            25,
-            "time.initial_composition: this key is called 'initial.gas.composition' now",
-        ),
-        (26, "time.gas: this key is called 'packed_bed.gas_storage' now"),
-        (
-            28,
-            "boundary.left.fluid.inflow: this key is called "
-            "'boundary.left.gas.temperature' now",
-        ),
-    ],
-)
+@each_case(__file__, "former_keys_name_the_present_ones")
 def test_former_keys_name_the_present_ones(line, said):
     with pytest.raises(SceneError) as error:
         loads(FORMER + "[mesh]\ntype = 'line'\nlength = 1.0\n", "bed.toml")

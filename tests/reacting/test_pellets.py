@@ -17,6 +17,7 @@ from contbed.many.derivatives.gradients import gradient
 from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.particle.tables import sphere
 from tests.refusals import refused
 from tests.scene_text import set_keys
@@ -164,20 +165,7 @@ def test_a_reformer_closes_and_the_plan_tells_the_effectiveness():
     assert 0.05 < result.qoi["conversion_CH4"] < 0.5
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (
-            {"diffusivity": {"A": 1e-6}},
-            "inside.diffusivity.*: B reacts in the particles and has none",
-        ),
-        (
-            {"diffusivity": {"A": 1e-6, "B": 1e-6, "C": 1e-6}},
-            "no reaction in particles that are resolved needs it",
-        ),
-        ({"mass": "none"}, "no reaction in particles that are resolved needs it"),
-    ],
-)
+@each_case(__file__, "mistakes")
 def test_mistakes(change, said):
     scene, _ = pellets(1.0)
     scene["solids"]["particles"]["inside"] |= change

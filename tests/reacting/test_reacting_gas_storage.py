@@ -29,6 +29,7 @@ from contbed.reacting_bed.plan import plan
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.stages import GAMMA, stages
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import set_keys
 
@@ -240,18 +241,7 @@ def test_the_plan_chooses_by_the_residence():
     assert "0.027 of the shortest time between changes" in chosen.built[-1][1]
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "said"),
-    [
-        (
-            "packed_bed.gas_storage",
-            "quasi_steady",
-            "has no meaning for a gas that follows at once",
-        ),
-        ("initial.gas.composition", "B:0.5, A:0.6", "fractions sum to 1.1"),
-        ("initial.gas.composition", "C:1", "C is neither a gas"),
-    ],
-)
+@each_case(__file__, "mistakes_in_what_fills_the_bed")
 def test_mistakes_in_what_fills_the_bed(key, value, said):
     scene = dispersed(20.0, 0.0)
     put(scene, key, value)

@@ -14,7 +14,7 @@ from contbed.course.schedule import Schedule
 from contbed.loading import from_dict
 from contbed.scene.series import Samples
 from tests.balances import assert_closed
-from tests.cases import cases_of
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import set_keys
 
@@ -268,9 +268,7 @@ def test_solids_that_start_to_move():
     assert balance["out"] == pytest.approx(balance["in"], rel=1e-10)
 
 
-@pytest.mark.parametrize(
-    ("key", "series", "said"), cases_of(__file__, "mistakes", "key", "series", "said")
-)
+@each_case(__file__, "mistakes")
 def test_mistakes_in_series(key, series, said):
     scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
     scene["boundary"]["left"]["gas"][key] = series

@@ -17,6 +17,7 @@ from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.scene.reactions import Reaction
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.particle.tables import sphere
 from tests.refusals import problems_of, refusal
 from tests.scene_text import scene_of
@@ -301,20 +302,7 @@ def test_the_plan_says_that_coverages_are_steady():
     assert "coverages in steady state with the gas at each point" in text
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "text"),
-    [
-        ("reactions.pt.surface", "Pt", "has no surface 'Pt'; allowed: Pt_surf"),
-        ("reactions.pt.mechanism", "gri30.yaml", "has no surface 'Pt_surf'"),
-        ("reactions.pt.mechanism", "none.yaml", "no such mechanism"),
-        ("reactions.pt.area", -1.0, "out of range"),
-        ("reactions.pt.E", 1e4, "has no meaning with a surface mechanism"),
-        ("reactions.pt.basis", "catalyst", "area is over the volume of particles"),
-        ("reactions.pt.area", None, "missing; a surface mechanism needs"),
-        ("reactions.pt.surface", None, "missing; a surface mechanism needs"),
-        ("gas.mechanism", "h2o2.yaml", "CH4 is neither a gas of the mechanism"),
-    ],
-)
+@each_case(__file__, "refused")
 def test_refused(key, value, text):
     scene = bed("ptcombust.yaml", 1000.0, "H2:0.03, O2:0.1, N2:0.87")
     *above, last = key.split(".")

@@ -1,13 +1,12 @@
 """The sketch of a bed and the first sentences of its report."""
 
-import pytest
-
 from contbed.explain import editor
 from contbed.loading import loads
 from contbed.output.sketch import sketch, text_of
 from contbed.report.drawing import svg
 from contbed.report.words import amount, following, found, sure
 from contbed.scene.identity import resolved
+from tests.cases import each_case
 from tests.scene_text import scene_of
 
 COUNTER_CURRENT = scene_of(
@@ -53,16 +52,7 @@ def test_a_stream_that_a_vector_leads_out_does_not_enter():
     assert bed.streams == ()
 
 
-@pytest.mark.parametrize(
-    ("model", "wanted"),
-    [
-        ("packed_bed", "right  in:  silica 973.1 K, 0.0003 m/s"),
-        ("reacting_bed", "|  wall: 100 W/m2/K to 1100 K"),
-        ("bubbling_bed", "bottom in:  gas 1200 K, 0.14 kg/s"),
-        ("two_fluid", "bottom in:  gas 0.5 m/s"),
-        ("particles_gas", "| glass, 2 mm"),
-    ],
-)
+@each_case(__file__, "each_bed_has_a_sketch_with_its_streams")
 def test_each_bed_has_a_sketch_with_its_streams(model, wanted):
     scene = loads(editor.template(model), "scene.toml")
     bed = sketch(model, resolved(scene))

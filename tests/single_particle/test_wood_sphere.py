@@ -15,6 +15,7 @@ from contbed.models import MODELS
 from contbed.runner import run
 from contbed.single_particle import run as single_particle
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.particle.tables import rows
 from tests.refusals import refused
 
@@ -302,24 +303,7 @@ def test_template_runs():
     assert found.qoi["mass_fraction_end"] == pytest.approx(0.71, abs=0.04)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ('"wood:1"', '"wood:0.9"', "fractions sum to 0.9"),
-        ('of = "intermediate"', 'of = "tar"', "there is no constituent 'tar'"),
-        ("char = 0.65", "char = 1.65", r"(?s)less than or equal to 1|<= 1|yields"),
-        (
-            "yields = { intermediate = 1.0 }",
-            "yields = { wood = 1.0 }",
-            "what reacts is among what is made",
-        ),
-        (
-            "emissivity = 0.6",
-            "emissivity = 0.6\nfixed_temperature = 600.0",
-            "give one of fixed_temperature, ambient",
-        ),
-    ],
-)
+@each_case(__file__, "mistakes")
 def test_mistakes(tmp_path, old, new, message):
     path = tmp_path / "wrong.toml"
     path.write_text(

@@ -11,6 +11,7 @@ import pytest
 import contbed as cb
 from contbed.errors import ConvergenceError
 from contbed.loading import from_dict
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import scene_of
 
@@ -116,36 +117,6 @@ def test_far_beyond_the_data_of_a_gas():
         )
 
 
-@pytest.mark.parametrize(
-    ("change", "wrong"),
-    [
-        ({"solver": {"newton_tolerance": 0.9}}, "newton_tolerance = 0.9: out of range"),
-        (
-            {
-                "initial": {
-                    "gas": {"temperature": 300.0},
-                    "solids": {"particles": {"temperature": 300.0}},
-                },
-                "time": {"end": 10.0, "times": [1.0, 2.0, 1.0]},
-            },
-            "is given twice",
-        ),
-        (
-            {
-                "radiation": {},
-                "solids": {
-                    "ore": {
-                        "volume_share": 0.9,
-                        "diameter": 0.01,
-                        "emissivity": 0.8,
-                        "density": 2000.0,
-                    },
-                    "coke": {"volume_share": 0.9, "diameter": 0.01, "emissivity": 0.8},
-                },
-            },
-            "the volume shares sum to 1.8",
-        ),
-    ],
-)
+@each_case(__file__, "values_that_cannot_be_meant")
 def test_values_that_cannot_be_meant(change, wrong):
     refused(wrong, lambda: from_dict(scene(**change)))

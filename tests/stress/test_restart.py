@@ -25,6 +25,7 @@ from contbed import cli
 from contbed.loading import loads
 from contbed.output import checkpoint
 from contbed.output.tables import read_table
+from tests.cases import each_case
 from tests.command_line import command
 from tests.refusals import refused
 
@@ -554,10 +555,7 @@ def test_checkpoint_with_other_arrays(name, other, scene, whole, tmp_path):
     )
 
 
-@pytest.mark.parametrize(
-    ("name", "other"),
-    [("gain", [1, 2]), ("state", 3.0), ("time", "late"), ("kept", {"pairs": [True]})],
-)
+@each_case(__file__, "checkpoint_with_other_values")
 def test_checkpoint_with_other_values(name, other, scene, whole, tmp_path):
     arrays, meta = checkpoint.load(whole)
     checkpoint.save(tmp_path, arrays, {**meta, name: other})

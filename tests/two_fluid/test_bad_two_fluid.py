@@ -9,7 +9,7 @@ from changed_scenes import changed
 
 from contbed.loading import from_dict
 from contbed.models import plan
-from tests.cases import cases_of
+from tests.cases import each_case
 from tests.refusals import refusal, refused
 from tests.scene_text import scene_of
 
@@ -56,10 +56,7 @@ def test_the_good_scene_is_good():
     assert "cells" in str(plan(from_dict(GOOD)))
 
 
-@pytest.mark.parametrize(
-    ("changes", "without", "told"),
-    cases_of(__file__, "mistakes", "changes", "without", "told"),
-)
+@each_case(__file__, "mistakes")
 def test_a_mistake_is_named(changes, without, told):
     assert told in refusal(lambda: plan(from_dict(scene(changes, without))))
 
@@ -111,17 +108,12 @@ def test_a_mesh_file_that_is_missing(tmp_path):
 JET = {"type": "inlet", "gas": {"velocity": 1.0}}
 
 
-@pytest.mark.parametrize(
-    ("changes", "without", "told"),
-    cases_of(__file__, "cannot_be_meant", "changes", "without", "told"),
-)
+@each_case(__file__, "cannot_be_meant")
 def test_what_cannot_be_meant_is_an_error(changes, without, told):
     assert told in refusal(lambda: plan(from_dict(scene(changes, without))))
 
 
-@pytest.mark.parametrize(
-    ("changes", "told"), cases_of(__file__, "may_be_meant", "changes", "told")
-)
+@each_case(__file__, "may_be_meant")
 def test_what_may_be_meant_is_a_warning(changes, told):
     good = from_dict(GOOD)
     assert (*good.warnings, *plan(good).warnings) == ()

@@ -18,6 +18,7 @@ from contbed.two_fluid.fv.connections import connect
 from contbed.two_fluid.fv.grid import build
 from contbed.two_fluid.of_fluidized import judge
 from contbed.two_fluid.plan import plan
+from tests.cases import each_case
 
 WIDTH, HEIGHT = 0.1, 0.3
 TIMES = "end = 2.0\naverage_from = 0.0"
@@ -134,10 +135,7 @@ def test_rows_that_are_too_far_apart_are_reported():
     assert not bubbles.judge(bed.scene, followed, 0.1)
 
 
-@pytest.mark.parametrize(
-    ("rows", "frequency", "words"),
-    [(20, None, "64 are needed"), (201, 2.0, "at least 2.5 s"), (201, 4.0, None)],
-)
+@each_case(__file__, "a_run_too_short_for_a_frequency_says_so")
 def test_a_run_too_short_for_a_frequency_says_so(rows, frequency, words):
     qoi = {} if frequency is None else {"dominant_frequency [Hz]": frequency}
     time = np.linspace(0.0, 2.0, rows)

@@ -27,6 +27,7 @@ from contbed.two_fluid.near_walls import (
 )
 from contbed.two_fluid.plan import plan
 from contbed.two_fluid.rheology import Closures, Rheology
+from tests.cases import each_case
 from tests.refusals import refusal, refused
 from tests.scene_text import set_keys
 
@@ -73,17 +74,7 @@ def test_terminal_velocity_of_one_particle(name, slip):
     assert found == pytest.approx(slip, abs=6e-6)  # five printed digits
 
 
-@pytest.mark.parametrize(
-    ("name", "velocity", "voidage"),
-    [
-        ("drag_wen_yu", 0.38, 0.6150),
-        ("drag_wen_yu", 0.46, 0.6477),
-        ("drag_syamlal_obrien", 0.38, 0.6097),
-        ("drag_syamlal_obrien", 0.46, 0.6549),
-        ("drag_gidaspow", 0.38, 0.6297),
-        ("drag_gidaspow", 0.46, 0.6632),
-    ],
-)
+@each_case(__file__, "voidage_of_a_uniform_suspension")
 def test_voidage_of_a_uniform_suspension(name, velocity, voidage):
     found = brentq(
         lambda eps: carried(name, eps, velocity / eps, **TAGHIPOUR), 0.4, 0.75
@@ -788,20 +779,7 @@ def test_closures_of_a_step_are_as_they_were_without_factors_near_walls():
     assert corrected(plain, bound(scene), scene, plan(scene).grid) is plain
 
 
-@pytest.mark.parametrize(
-    ("keys", "told"),
-    [
-        (
-            {"drag": "wen_yu", "wall_drag": "igci"},
-            'closures.wall_drag = "igci": multiplies a filtered drag',
-        ),
-        ({"wall_drag": "igcy"}, "unknown wall_drag closure 'wall_drag_igcy'"),
-        (
-            {"wall_viscosity": "igci", "granular_viscosity": "none"},
-            "multiplies a filtered granular_viscosity",
-        ),
-    ],
-)
+@each_case(__file__, "factors_near_walls_without_what_they_multiply")
 def test_factors_near_walls_without_what_they_multiply(keys, told):
     assert told in refusal(lambda: from_dict(tank(PLANE, **keys)))
 

@@ -18,6 +18,7 @@ from contbed.developed_flow.equations import Coefficients
 from contbed.developed_flow.plan import coefficients
 from contbed.errors import ConvergenceError, SceneError
 from tests.balances import assert_closed
+from tests.cases import each_case
 
 SCENE = Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "developed.toml"
 THIN = {
@@ -127,25 +128,7 @@ def test_no_fraction_below_packing_is_no_number():
     assert np.isnan(c.fraction(2.0 * c.relative_pressure(c.eps_max)))
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "said"),
-    [
-        ("developed_flow.radius", 0.002, "only 2 particles from centre to wall"),
-        ("developed_flow.section", "square", "channel, pipe"),
-        ("developed_flow.gas_velocity", -1.0, "> 0"),
-        ("developed_flow.solids_mass_flux", -1.0, ">= 0"),
-        ("closures.drag", "drag_wen_you", "drag_wen_yu"),
-        (
-            "developed_flow.granular_temperature_center",
-            0.1,
-            "granular_temperature_centre",
-        ),
-        ("boundary.wall.solids.beads.specularity", 1.5, "<= 1"),
-        ("solids.beads.packing_limit", 0.9, "< 0.75"),
-        ("solver.cells", 2, ">= 4"),
-        ("solver.mesh", "line", "unknown"),
-    ],
-)
+@each_case(__file__, "bad_scenes_say_what_is_wrong")
 def test_bad_scenes_say_what_is_wrong(key, value, said):
     with pytest.raises(SceneError) as error:
         load(**{key: value})

@@ -10,6 +10,7 @@ from changed_scenes import changed
 
 from contbed.loading import from_dict
 from contbed.materials import gas_mixture
+from tests.cases import each_case
 from tests.refusals import refusal
 from tests.scene_text import scene_of
 
@@ -82,14 +83,7 @@ def cold():
     return changed(BED, {}, ("heat",))
 
 
-@pytest.mark.parametrize(
-    ("changes", "without", "T"),
-    [
-        ({}, (), 600.0),  # at the start
-        ({"gas.reference_temperature": 700.0}, (), 700.0),
-        ({}, ("initial.gas.temperature", "heat"), 500.0),  # of the inlet
-    ],
-)
+@each_case(__file__, "properties_are_those_at_one_temperature")
 def test_properties_are_those_at_one_temperature(changes, without, T):
     assert from_dict(changed(BED, changes, without)).fluid[:4] == pytest.approx(
         properties(AIR, T), rel=1e-12

@@ -20,6 +20,7 @@ from contbed.many.uncertainty.polynomial_chaos import (
 )
 from contbed.many.uncertainty.propagate import first_order, independent, of_sample
 from contbed.many.value_sets import sample
+from tests.cases import each_case
 from tests.command_line import command
 from tests.refusals import refused
 
@@ -428,19 +429,7 @@ def test_a_sample_has_indices_by_polynomial_chaos(folder, capsys):
     np.testing.assert_allclose(shares, parts**2 / np.sum(parts**2), atol=1e-8)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "told"),
-    [
-        ("[sample]", "[parameters]\npacked_bed.porosity = [0.4, 0.5]\n[sample]",
-         'study.toml:6: sample.method: "sobol_indices" stands alone; leave out '
-         'parameters'),
-        ("gradients = true", "gradients = 1", "study.toml:7: sample.gradients = 1: "
-                                              "wrong kind of value"),
-        ("count = 8", "count = 3", "not a power of two; Sobol points fill the space "
-                                   "evenly at 2 or 4"),
-        ('"sobol_indices"', '"sobol_index"', "did you mean 'sobol_indices'"),
-    ],
-)  # fmt: skip
+@each_case(__file__, "mistakes_in_a_design_of_indices_are_told")
 def test_mistakes_in_a_design_of_indices_are_told(folder, capsys, old, new, told):
     pytest.importorskip("SALib")
     (folder / "study.toml").write_text(STUDY.replace(old, new))

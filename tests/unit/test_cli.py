@@ -12,6 +12,7 @@ from small_scenes import STEADY
 import contbed
 from contbed import cli
 from contbed.errors import BalanceError, ClosureRangeError, ConvergenceError, SceneError
+from tests.cases import each_case
 from tests.command_line import command
 
 SCENE = """\
@@ -225,39 +226,7 @@ def test_version_and_help(capsys):
         assert name in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("name", "part"),
-    [
-        ("gunn", "kind nusselt"),
-        ("nusselt_gunn", "Gunn (1978)"),
-        ("wakao_kaguei", "dispersion_wakao_kaguei_transverse"),
-        ("two_energy", "energy equations"),
-        ("closures", "nusselt: a number >= 0, or a closure's name"),
-        ("closures.nusselt", "contbed closures --for closures.nusselt"),
-        ("mesh.length", "allowed: a number > 0 m"),
-        ("mesh.box", "width: a number > 0 m; required"),
-        ("solver.degree", "allowed: 1 or 2 or 3\n    default: 2"),
-        ("boundary.wall.gas", "What one phase does"),
-        (
-            "radiation",
-            "in scenes of kind bubbling_bed:\n[radiation] Radiation between the "
-            "particles",
-        ),
-        ("bubbling_bed", "[bubbling_bed] The bed between distributor and freeboard"),
-        ("bubbling_bed.freeboard", "What is above the bed"),
-        ("duty_W", "named result, [W]: heat that the fluid takes up"),
-        ("heat_left_W", "an entry heat_NAME_W, [W]"),
-        (
-            "reactions.CO_oxidation.law",
-            "the first is the default\n    howard: CO + 0.5 O2 -> CO2",
-        ),
-        ("xu_froment_shift", "CO + H2O <-> CO2 + H2"),
-        ("drag", "named by closures.drag"),
-        ("eps_mf", "voidage at minimum fluidization"),
-        ("geldart", "spoutable"),
-        ("alumina", "doi:10.1111/j.1151-2916.1997.tb03074.x"),
-    ],
-)
+@each_case(__file__, "explain")
 def test_explain(capsys, name, part):
     assert command(f"explain {name}") == 0
     assert part in capsys.readouterr().out

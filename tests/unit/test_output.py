@@ -31,6 +31,7 @@ from contbed.output.tables import read_table, write_table
 from contbed.output.vtu import at_nodes, write_fields, write_series
 from contbed.result import outside
 from contbed.runner import run
+from tests.cases import each_case
 from tests.refusals import refused
 
 LINE, X, Y = (
@@ -652,34 +653,7 @@ def test_checkpoint_missing_or_of_another_scene(tmp_path):
     checkpoint.require_same(META, IDENTITY)
 
 
-@pytest.mark.parametrize(
-    ("change", "told"),
-    [
-        (
-            {"contbed": "2"},
-            [
-                "the checkpoint was written by contbed 1, this is 2; run without "
-                "--restart"
-            ],
-        ),
-        (
-            {"files": {"a.msh": "2"}},
-            ["a.msh: another file than that of the checkpoint", "another scene"],
-        ),
-        (
-            {"values": {"flow": {"velocity": 0.4}, "time": {"end": 2.0}}},
-            [
-                "flow: flow.velocity = 0.4: the checkpoint has 0.3",
-                "only time.end may change",
-            ],
-        ),
-        (
-            {"values": {"flow": {"velocity": 0.3, "slip": 1}, "time": {"end": 1.0}}},
-            ["flow: flow.slip = 1: the checkpoint has absent", "another scene"],
-        ),
-        ({"values": {"flow": {"velocity": 0.3}, "time": {"end": 2.0}}}, []),
-    ],
-)
+@each_case(__file__, "the_checkpoint_of_another_scene_names_what_differs")
 def test_the_checkpoint_of_another_scene_names_what_differs(change, told):
     arguments = (META, IDENTITY | change, ["time.end"], lambda key: key.split(".")[0])
     if not told:

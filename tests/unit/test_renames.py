@@ -9,6 +9,7 @@ import pytest
 from contbed.models import MODELS
 from contbed.scene import schema
 from contbed.scene.renames import renamed, take_former_keys
+from tests.cases import each_case
 
 RENAMED = {
     "fluid": "gas",
@@ -20,22 +21,12 @@ RENAMED = {
 }
 
 
-@pytest.mark.parametrize(
-    ("values", "path", "now"),
-    [
-        ({"fluid": {"density": 1.0}}, ("fluid",), "gas"),
-        ({"boundary": {"left": {"fluid": {"inflow": 300.0}}}}, ("boundary", "left", "fluid", "inflow"),
-         "boundary.left.gas.temperature"),
-        ({"boundary": {"wall": {"gas": "slip"}}}, ("boundary", "wall", "gas"), "boundary.wall.gas.wall"),
-        ({"initial": {"layer": [{}, {"eps_s": 0.6}]}}, ("initial", "layer", 1, "eps_s"),
-         "initial.layer.solids.NAME.volume_fraction"),
-    ],
-)  # fmt: skip
+@each_case(__file__, "a_former_key_is_answered_by_its_present_name")
 def test_a_former_key_is_answered_by_its_present_name(
     values: dict[str, Any], path: Any, now: str
 ) -> None:
     assert take_former_keys(values, RENAMED) == [
-        (path, f"this key is called '{now}' now")
+        (tuple(path), f"this key is called '{now}' now")
     ]
 
 

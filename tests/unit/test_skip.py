@@ -14,6 +14,7 @@ import contbed as cb
 from contbed.loading import from_dict
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
+from tests.cases import each_case
 from tests.scene_text import scene_of
 
 PACKAGE = Path(cb.__file__).parent
@@ -383,23 +384,6 @@ def test_no_heat_table_has_no_temperatures():
     )
 
 
-@pytest.mark.parametrize(
-    ("closures", "why"),
-    [
-        (
-            {"nusselt": "wakao_kaguei"},
-            "no closures.dispersion; wakao_kaguei was taken from data together with "
-            "dispersion_wakao_kaguei",
-        ),
-        (
-            {"nusselt": {"name": "nusselt_wakao_kaguei"}},
-            "no closures.dispersion; nusselt_wakao_kaguei was taken from data together "
-            "with dispersion_wakao_kaguei",
-        ),
-        ({"nusselt": "gunn"}, "no closures.dispersion"),
-        ({"nusselt": 10.0}, "no closures.dispersion"),
-        ({"nusselt": "wakao_kaguei", "dispersion": "wakao_kaguei"}, None),
-    ],
-)
+@each_case(__file__, "the_plan_tells_what_belongs_to_a_nusselt_number")
 def test_the_plan_tells_what_belongs_to_a_nusselt_number(closures, why):
     assert dict(plan(closures=closures).skipped).get("dispersion") == why

@@ -5,6 +5,7 @@ replaced.
 import pytest
 
 from contbed.output.folder import STUDY, prepare_study
+from tests.cases import each_case
 from tests.command_line import command
 
 SCENE = """\
@@ -67,22 +68,7 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize(
-    ("line", "name"),
-    [
-        ("sweep sweep.toml", "table.csv"),
-        ("sweep sweep.toml", "uncertainty.csv"),
-        ("optimise design.toml", "optimum.toml"),
-        ("cascade cascade.toml", "measured.csv"),
-        ("calibrate data.toml", "summary.json"),
-        ("calibrate data.toml", "calibrated_bed.toml"),
-        ("compare bed.toml --models packed_bed", "comparison.csv"),
-        ("converge bed.toml", "convergence.csv"),
-        ("sensitivities bed.toml --qoi T_fluid_out_K", "sensitivities.json"),
-        ("bench study --trust", "bench.csv"),
-        ("validate pacheco_2002", "validation.png"),
-    ],
-)
+@each_case(__file__, "files_of_others_are_not_replaced")
 def test_files_of_others_are_not_replaced(here, capsys, line, name):
     (here / "out" / name).write_text(TEXT)
     assert command(f"{line} --out out") == 1

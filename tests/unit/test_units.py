@@ -11,38 +11,10 @@ from hypothesis import strategies as st
 
 import contbed
 from contbed.scene.units import QUANTITIES, to_si
+from tests.cases import each_case
 
 
-@pytest.mark.parametrize(
-    ("text", "unit", "value"),
-    [
-        ("3 mm", "m", 0.003),
-        ("3mm", "m", 0.003),
-        (" 1e-3 m ", "m", 0.001),
-        ("+.5 km", "m", 500.0),
-        ("100 degC", "K", 373.15),
-        ("-10 \u00b0C", "K", 263.15),
-        ("212 degF", "K", 373.15),
-        ("300 K", "K", 300.0),
-        ("1 bar", "Pa", 1e5),
-        ("0.1 m/s", "m/s", 0.1),
-        ("36 km/h", "m/s", 10.0),
-        ("2 min", "s", 120.0),
-        ("1 cP", "Pa*s", 1e-3),
-        ("1.2 kg/m3", "kg/m**3", 1.2),
-        ("1.2 g/cm^3", "kg/m**3", 1200.0),
-        ("2 W m-2 K-1", "W/m**2/K", 2.0),
-        ("2 W/m^2/degC", "W/m**2/K", 2.0),
-        ("1 kJ/kg/K", "J/kg/K", 1000.0),
-        ("1e-9 m^2", "m**2", 1e-9),
-        ("40 %", "1", 0.4),
-        ("0.4", "1", 0.4),
-        ("90 1/min", "1/s", 1.5),
-        ("90/min", "1/s", 1.5),
-        ("90 min^-1", "1/s", 1.5),
-        ("3 1/cm", "1/m", 300.0),
-    ],
-)
+@each_case(__file__, "quantities")
 def test_quantities(text, unit, value):
     assert to_si(text, unit) == pytest.approx(value, rel=1e-14)
 

@@ -8,6 +8,7 @@ import pytest
 
 from contbed.errors import ContbedError
 from contbed.many.bench import bench, time_at
+from tests.cases import each_case
 from tests.refusals import refused
 
 PROGRAM = """
@@ -71,19 +72,7 @@ def test_a_failing_program_is_named(tmp_path: Path) -> None:
         bench(broken, tmp_path / "out", trust=True)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "told"),
-    [
-        ("repeats = 1", "repeats = 0", "bench.toml:2: repeats = 0: "),
-        ("error = 0.25\n", "", "curves.error: missing"),
-        (
-            'name = "first"\ncommand = ["points.py"]',
-            'name = "first"\ncommand = "points.py"',
-            "bench.toml:8: .*command",
-        ),
-        ("needs =", "need =", "unknown key"),
-    ],
-)
+@each_case(__file__, "mistakes_in_the_list_of_programs_are_told")
 def test_mistakes_in_the_list_of_programs_are_told(
     tmp_path: Path, old: str, new: str, told: str
 ) -> None:

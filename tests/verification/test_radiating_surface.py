@@ -11,6 +11,7 @@ import contbed as cb
 from contbed.closures.optics import SIGMA
 from contbed.loading import from_dict
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.refusals import refused
 
 LENGTH, K_SOLID, EPS, EMISSIVITY, HOT, COLD = 0.1, 2.0, 0.4, 0.7, 1200.0, 300.0
@@ -107,14 +108,7 @@ def test_small_emissivity_is_adiabatic():
     assert result.profiles["T_solid [K]"] == pytest.approx(HOT, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("solid", "wrong"),
-    [
-        ({"emissivity": 0.5}, "ambient"),
-        ({"emissivity": 1.5, "ambient": 300.0}, "out of range"),
-        ({"emissivity": 0.5, "ambient": 300.0, "coefficient": 10.0}, "give one of"),
-    ],
-)
+@each_case(__file__, "what_does_not_fit_is_refused")
 def test_what_does_not_fit_is_refused(solid, wrong):
     mesh, sides, _ = MESHES["line"]
     values = scene(mesh, sides)

@@ -19,6 +19,7 @@ from contbed.radiation.thickness import estimate
 from studies._exact.conduction_radiation import conduction_diffusion
 from studies._exact.radiation import P1, TWO_FLUX, equilibrium_flux, isothermal_slab
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import set_keys
 
@@ -408,22 +409,7 @@ def bed(tau: float, level: str, heated: bool, **radiation: Any) -> dict[str, Any
     }
 
 
-@pytest.mark.parametrize(
-    ("sides", "walls", "tau"),
-    [
-        (
-            {"type": "rectangle", "length": 2.0, "height": 0.5},
-            {"top": 0.5, "bottom": 0.5},
-            50.0,
-        ),
-        (
-            {"type": "rectangle", "length": 2.0, "height": 0.5},
-            {"left": 0.5, "right": 0.5},
-            200.0,
-        ),
-        ({"type": "axisymmetric", "length": 2.0, "radius": 0.25}, {"wall": 0.5}, 50.0),
-    ],
-)
+@each_case(__file__, "estimate_of_rosseland_is_across_the_walls")
 def test_estimate_of_rosseland_is_across_the_walls(sides, walls, tau):
     boundary = {name: {"radiation": wall(900.0, eps)} for name, eps in walls.items()}
     radiation = {"level": "p1", "absorption": 100.0, "conductivity": 1.0}

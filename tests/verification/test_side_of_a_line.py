@@ -9,6 +9,7 @@ from contbed.loading import loads
 from contbed.runner import run
 from studies._exact import packed_bed as exact
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.refusals import refused
 
 BED = """
@@ -104,20 +105,7 @@ time = {{ end = 100, tolerance = 1e-6 }}
     assert found.profiles["T_fluid [K]"] == pytest.approx(T, abs=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        (", diameter = 0.2", "", "with mesh.diameter a wall"),
-        ("wall = { coefficient = 10, ambient", "wall = { ambient", "belong together"),
-        ("wall = {", "wall = { gas.velocity = 1.0,", "not in both"),
-        ("wall = {", "wall = { type = 'slip',", "no meaning on the side of a line"),
-        (
-            "wall = { coefficient = 10, ambient = 300 }",
-            "wall.gas.temperature = 300",
-            "only heat passes",
-        ),
-    ],
-)
+@each_case(__file__, "mistakes")
 def test_mistakes(old, new, words):
     """What a side of a line cannot be is refused."""
     text = f"""{BED}

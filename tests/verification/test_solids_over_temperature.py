@@ -13,6 +13,7 @@ import contbed as cb
 from contbed.loading import from_dict
 from contbed.scene.identity import resolved
 from contbed.scene.inputs import inputs_elsewhere
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import scene_of
 
@@ -154,20 +155,7 @@ def test_a_file_is_read_once_and_listed(tmp_path):
     assert from_dict(whole).solid == scene.solid
 
 
-@pytest.mark.parametrize(
-    ("table", "part"),
-    [
-        ({"temperatures": [300], "values": [1]}, "give two or more temperatures"),
-        ({"temperatures": [300, 300], "values": [1, 1]}, "temperatures must increase"),
-        (
-            {"temperatures": [300, 400], "values": [1, "-3 J/kg/K"]},
-            r"values\[1\].*out of range",
-        ),
-        ({"file": "no.csv"}, "no such file"),
-        ({"file": "k\0.csv"}, "null"),
-        ({"file": ".", "column": "cp"}, "is a folder"),
-    ],
-)
+@each_case(__file__, "mistakes_in_tables")
 def test_mistakes_in_tables(table, part):
     values = ENDS | {"solids.rock.heat_capacity": table}
     refused(part, cb.load, scene_of(STORE, values))

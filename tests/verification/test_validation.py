@@ -12,6 +12,7 @@ from contbed.many.validate.case import SHIPPED, names, read_case
 from contbed.many.validate.deviations import COVERAGE, Score
 from contbed.many.validate.report import write
 from contbed.many.validate.score import Validated, validate
+from tests.cases import each_case
 from tests.command_line import command
 from tests.refusals import refusal, refused
 
@@ -156,41 +157,7 @@ def test_command_writes_table_picture_and_summary(tank, tmp_path, capsys):
     assert printed["cases"]["tank"]["unit"] == "K"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        (
-            'quantity = "T_solid"',
-            'quantity = "T_soild"',
-            "case.toml:5: quantity: no such quantity",
-        ),
-        (
-            'uncertainty = "1 K"',
-            'uncertainty = "1 m"',
-            "case.toml:6: uncertainty: expected a temperature",
-        ),
-        ('column = "T"', 'column = "Temp"', "measured.csv:1: no column 'Temp'"),
-        (
-            "[report]",
-            'where = { kind = "exp" }\n[report]',
-            "measured.csv:1: no column 'kind'",
-        ),
-        ('each = "time"', 'each = "depth"', "case.toml:7: each"),
-        ('title = "a tank"', "", "title"),
-        (
-            "particles.heat_capacity = ",
-            "particles.heat = ",
-            "uncertain.solids.particles.heat: the scene has no number",
-        ),
-        (
-            '"1 %"',
-            '"1 K"',
-            "uncertain.solids.particles.heat_capacity: expected a number > 0 in SI, or "
-            "a share",
-        ),
-        ('file = "measured.csv"', 'file = "none.csv"', "no such file"),
-    ],
-)
+@each_case(__file__, "mistakes_in_a_case")
 def test_mistakes_in_a_case(tank, old, new, words):
     """Each mistake names the file, the line and the key before anything runs."""
     text = (tank / "case.toml").read_text()
