@@ -29,6 +29,7 @@ from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.materials.constant import ConstantFluid
 from tests.balances import assert_closed
+from tests.restarts import interrupt, same_run
 
 STUDY = Path(__file__).parents[2] / "studies/closure_transfer"
 AIR = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026)
@@ -278,30 +279,15 @@ output = { plots = false, fields = false }
 """
 
 
-def test_an_interrupted_scene_continues_bit_for_bit(tmp_path, monkeypatch):
+def test_an_interrupted_scene_continues_bit_for_bit(tmp_path):
     scene = loads(STIRRED)
     whole = cb.run(scene)
     assert_closed(whole, 1e-10, "energy")
     assert whole.qoi["T_fluid_max_K"] < 600.0
-    record, calls = History.record, []
-
-    def once(*arguments):
-        calls.append(1)
-        if len(calls) == 4:
-            raise KeyboardInterrupt
-        record(*arguments)
-
-    monkeypatch.setattr(History, "record", once)
-    with pytest.raises(KeyboardInterrupt):
-        cb.run(scene, out=tmp_path)
-    assert (
-        json.loads((tmp_path / "summary.json").read_text())["status"] == "interrupted"
-    )
-    monkeypatch.setattr(History, "record", record)
-    again = cb.run(scene, restart=tmp_path)
-    assert again.qoi == whole.qoi
-    for name, column in whole.profiles.items():
-        assert np.array_equal(column, again.profiles[name]), name
+    interrupt(scene, tmp_path, History, "record", 4)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["status"] == "interrupted"
+    same_run(cb.run(scene, restart=tmp_path), whole)
 
 
 @pytest.mark.parametrize(

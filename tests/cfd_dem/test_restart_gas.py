@@ -6,14 +6,15 @@ The states that a kill leaves are copies of the folder taken while the run write
 
 import shutil
 
-import numpy as np
 import pytest
 
 import contbed as cb
+from contbed.cfd_dem import coupling
 from contbed.cfd_dem.plan import simulation_of
 from contbed.loading import loads
 from contbed.output import checkpoint
 from tests.refusals import refused
+from tests.restarts import interrupt, same_run
 
 SCENE = """
 particles = { count = 60, width = ["8 mm", "8 mm"], height = "60 mm", modulus = "1 MPa", seed = 3 }
@@ -29,13 +30,7 @@ output = { plots = false, levels = [0.004] }
 
 
 def same(found, whole, folder, reference):
-    assert found.qoi == whole.qoi
-    assert found.closures == whole.closures
-    assert found.balances == whole.balances
-    for name, column in whole.profiles.items():
-        assert np.array_equal(column, found.profiles[name]), name
-    for name, column in whole.tables["levels"].items():
-        assert np.array_equal(column, found.tables["levels"][name]), name
+    same_run(found, whole)
     names = {path.name for path in reference.glob("particles*")}
     assert {path.name for path in folder.glob("particles*")} == names
     for name in names:
@@ -112,15 +107,8 @@ def test_what_was_averaged_or_recorded_elsewhere_is_refused(whole, key, tmp_path
     )
 
 
-def test_a_run_that_was_interrupted_before_its_first_sample_reports(
-    tmp_path, monkeypatch
-):
-    def interrupted(*arguments, **options):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("contbed.cfd_dem.coupling.Bed.run", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        cb.run(loads(SCENE), out=tmp_path)
+def test_a_run_that_was_interrupted_before_its_first_sample_reports(tmp_path):
+    interrupt(loads(SCENE), tmp_path, coupling.Bed, "run", 1)
     assert (tmp_path / "summary.json").is_file()
 
 

@@ -24,7 +24,9 @@ from contbed.dem.walls import Domain, box
 from contbed.loading import loads
 from contbed.materials.constant import ConstantFluid
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.refusals import refused
+from tests.restarts import same_run
 
 AIR = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026)
 WIDTH, DEPTH, HEIGHT = 24e-3, 4e-3, 30e-3
@@ -213,40 +215,12 @@ def test_a_tube_as_warm_as_the_bed_gives_no_heat():
 
 
 def test_a_restart_goes_on_bit_for_bit(tmp_path):
-    whole = cb.run(loads(SCENE), out=tmp_path / "whole")
     cb.run(loads(SCENE, {"time.end": 0.006}), out=tmp_path / "part")
     rest = cb.run(loads(SCENE), out=tmp_path / "rest", restart=tmp_path / "part")
-    for table in ("tube_low", "levels"):
-        if table in whole.tables:
-            for name, column in whole.tables[table].items():
-                assert np.array_equal(rest.tables[table][name], column), name
-    for name, column in whole.profiles.items():
-        assert np.array_equal(rest.profiles[name], column), name
-    assert rest.closures == whole.closures
+    same_run(rest, cb.run(loads(SCENE)))
 
 
-@pytest.mark.parametrize(
-    "old, new, says",
-    [
-        ('"7 mm"]', '"3 mm"]', "reaches out of the box"),
-        ('"7 mm"]', '"58 mm"]', "reaches out of the box"),
-        ("heat = {}\n", "", "needs a [heat] table"),
-        ("350.0 }", '350.0, nusselt = "gunn" }', "tubes.low.nusselt"),
-        ("tubes = { low =", 'tubes = { "../low" =', "names a file"),
-        ("cell = [2.0, 2.0]", "cell = [6.0, 9.0]", "too coarse"),
-        (
-            "350.0 } }",
-            '350.0 }, other = { diameter = "3 mm", centre = ["9 mm", "9 mm"] } }',
-            "overlaps low",
-        ),
-        (
-            "plots = false",
-            "plots = false, probes = { a = [0.012, 0.003, 0.008] }",
-            "lies in the tube low",
-        ),
-        ('diameter = "8 mm"', "diameter = 0.0", "tubes.low.diameter"),
-    ],
-)
+@each_case(__file__, "tubes_that_cannot_be")
 def test_tubes_that_cannot_be(old, new, says):
     assert old in SCENE
     refused(re.escape(says), lambda: loads(SCENE.replace(old, new)))

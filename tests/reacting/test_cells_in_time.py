@@ -11,7 +11,7 @@ import pytest
 from reacting_bed_scenes import heated, isothermal, schumann, species
 from solving import marched
 from test_bounds_in_time import cores, course_of
-from test_reacting_restart import BEDS, STOP, interrupted, same
+from test_reacting_restart import BEDS, STOP
 
 import contbed
 from contbed.fem.line_dg import Line
@@ -24,6 +24,7 @@ from contbed.reacting_bed.time_cells import FEWEST, SHORTEST, fitted, halved
 from studies.ignition_front import fronts
 from tests.balances import assert_closed
 from tests.refusals import refusal, refused
+from tests.restarts import interrupt, same_run
 from tests.scene_text import set_keys
 
 CLOSED = 1e-12  # of what enters
@@ -222,13 +223,12 @@ FOLLOWING = [
 
 
 @pytest.mark.parametrize("given", FOLLOWING)
-def test_restart_on_cells_that_follow_goes_on_bit_for_bit(tmp_path, monkeypatch, given):
-    whole = contbed.run(from_dict(given))
-    assert whole.qoi["cells_changes"] > 1 and whole.qoi["time_steps"] > STOP
-    interrupted(given, tmp_path / "a", monkeypatch)
-    same(
-        contbed.run(from_dict(given), out=tmp_path / "b", restart=tmp_path / "a"), whole
-    )
+def test_restart_on_cells_that_follow_goes_on_bit_for_bit(tmp_path, given):
+    given = from_dict(given)
+    whole = contbed.run(given)
+    assert whole.qoi["cells_changes"] > 1
+    interrupt(given, tmp_path / "a", *STOP)
+    same_run(contbed.run(given, out=tmp_path / "b", restart=tmp_path / "a"), whole)
     assert_closed(whole, CLOSED)
 
 

@@ -26,6 +26,7 @@ from contbed.reacting_bed.transient_results import contents
 from contbed.solvers.anderson import Anderson
 from tests.particle.tables import rows
 from tests.refusals import refused
+from tests.restarts import interrupt, same_run
 from tests.scene_text import set_keys
 
 TOLERANCE = 1e-8  # of the change over a period, the default
@@ -471,21 +472,8 @@ def test_rates_that_take_what_is_not_there_in_a_cycle_are_told():
 
 
 @pytest.mark.parametrize("moment", [30, 150])
-def test_an_interrupted_cycle_resumes_bit_for_bit(tmp_path, monkeypatch, moment):
-    scene, passed, count = looping(), BedSteps._passed, []
-    whole = contbed.run(from_dict(scene))
-
-    def counted(*given):
-        count.append(1)
-        if len(count) == moment:
-            raise KeyboardInterrupt
-        return passed(*given)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(BedSteps, "_passed", counted)
-        with pytest.raises(KeyboardInterrupt):
-            contbed.run(from_dict(scene), out=tmp_path / "a")
-    again = contbed.run(from_dict(scene), out=tmp_path / "b", restart=tmp_path / "a")
-    assert again.qoi == whole.qoi and again.balances == whole.balances
-    for name, column in whole.profiles.items():
-        assert np.array_equal(again.profiles[name], column), name
+def test_an_interrupted_cycle_resumes_bit_for_bit(tmp_path, moment):
+    scene = from_dict(looping())
+    interrupt(scene, tmp_path / "a", BedSteps, "_passed", moment)
+    again = contbed.run(scene, out=tmp_path / "b", restart=tmp_path / "a")
+    same_run(again, contbed.run(scene))

@@ -21,9 +21,11 @@ from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.output.checkpoint import NAME
 from contbed.output.tables import read_table
+from contbed.reacting_bed.transient import BedSteps
+from tests.restarts import interrupt, same_run
 from tests.scene_text import set_keys
 
-STOP = 21  # steps, of about 70
+STOP = BedSteps, "_passed", 21  # steps, of about 70
 
 
 def scene(**more):
@@ -63,48 +65,15 @@ def heated_section():
     return given
 
 
-def same(one, other):
-    for name, column in one.profiles.items():
-        assert np.array_equal(column, other.profiles[name]), name
-    for name, column in one.tables["outlet"].items():
-        assert np.array_equal(column, other.tables["outlet"][name]), name
-    assert one.balances == other.balances
-    assert one.qoi == other.qoi
-
-
-def interrupted(given, folder, monkeypatch):
-    from contbed.reacting_bed import transient
-
-    real = transient.BedSteps.march
-
-    def stopping(*args):
-        for k, history in enumerate(real(*args)):
-            if k == STOP:
-                raise KeyboardInterrupt
-            yield history
-
-    with monkeypatch.context() as patch:
-        patch.setattr(transient.BedSteps, "march", stopping)
-        with pytest.raises(KeyboardInterrupt):
-            contbed.run(from_dict(given), out=folder)
-
-
-def test_restart_goes_on_bit_for_bit(tmp_path, monkeypatch):
-    whole = contbed.run(from_dict(scene()))
-    interrupted(scene(), tmp_path / "a", monkeypatch)
-    same(
-        contbed.run(from_dict(scene()), out=tmp_path / "b", restart=tmp_path / "a"),
-        whole,
-    )
+def test_restart_goes_on_bit_for_bit(tmp_path):
+    given, later = from_dict(scene()), from_dict(scene(end=1000.0))
+    whole = contbed.run(given)
+    interrupt(given, tmp_path / "a", *STOP)
+    same_run(contbed.run(given, out=tmp_path / "b", restart=tmp_path / "a"), whole)
     # of a finished run nothing changes, and a later end is taken
-    same(
-        contbed.run(from_dict(scene()), out=tmp_path / "c", restart=tmp_path / "b"),
-        whole,
-    )
-    longer = contbed.run(
-        from_dict(scene(end=1000.0)), out=tmp_path / "d", restart=tmp_path / "b"
-    )
-    same(longer, contbed.run(from_dict(scene(end=1000.0))))
+    same_run(contbed.run(given, out=tmp_path / "c", restart=tmp_path / "b"), whole)
+    longer = contbed.run(later, out=tmp_path / "d", restart=tmp_path / "b")
+    same_run(longer, contbed.run(later))
 
 
 def adsorbing_section():
@@ -211,13 +180,11 @@ BEDS = {
 
 
 @pytest.mark.parametrize("given", BEDS.values(), ids=BEDS)
-def test_restart_of_beds_goes_on_bit_for_bit(tmp_path, monkeypatch, given):
-    whole = contbed.run(from_dict(given))
-    assert whole.qoi["time_steps"] > STOP
-    interrupted(given, tmp_path / "a", monkeypatch)
-    same(
-        contbed.run(from_dict(given), out=tmp_path / "b", restart=tmp_path / "a"), whole
-    )
+def test_restart_of_beds_goes_on_bit_for_bit(tmp_path, given):
+    given = from_dict(given)
+    whole = contbed.run(given)
+    interrupt(given, tmp_path / "a", *STOP)
+    same_run(contbed.run(given, out=tmp_path / "b", restart=tmp_path / "a"), whole)
 
 
 @pytest.mark.parametrize(
@@ -241,10 +208,10 @@ def test_restart_of_beds_goes_on_bit_for_bit(tmp_path, monkeypatch, given):
         (lambda s: s["time"].update(times=[1.0]), "time.times: 1 s lies before"),
     ],
 )
-def test_another_scene_is_refused(tmp_path_factory, monkeypatch, change, said):
+def test_another_scene_is_refused(tmp_path_factory, change, said):
     folder = tmp_path_factory.getbasetemp() / "stopped_reacting_bed"
     if not folder.exists():
-        interrupted(scene(), folder, monkeypatch)
+        interrupt(from_dict(scene()), folder, *STOP)
     other = scene()
     change(other)
     with pytest.raises(SceneError, match=r"the checkpoint|lies before") as error:

@@ -128,16 +128,13 @@ def test_walls_drag_rubbing_particles_with_coulombs_stress(viscosity, shape):
     np.testing.assert_allclose(b.state.u_solid[:, 0], U, rtol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("shape", "cells"), [("quadrilateral", (4, 32)), ("triangle", (2, 16))]
-)
-def test_shear_between_moving_walls(shape, cells):
+def test_shear_between_moving_walls_on_triangles():
     """Production balances dissipation: theta = mu S^2/gamma, uniform, with linear
     velocity.
     """
-    height, speed, mu, gamma = 0.01, 0.1, 0.6, 2.7e4
+    cells, height, speed, mu, gamma = (2, 16), 0.01, 0.1, 0.6, 2.7e4
     grid = rectangle(
-        height * cells[0] / cells[1], height, cells, [("left", "right")], shape
+        height * cells[0] / cells[1], height, cells, [("left", "right")], "triangle"
     )
     laws = closures(pressure=1.0, conductivity=20.0, dissipation=gamma / 0.09)
     granular = laws.granular
@@ -202,27 +199,6 @@ def test_slip_relaxes_and_momentum_stays(order):
     assert np.abs(orders(errors) - order).max() < 0.1
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-def test_uniform_suspension_hangs_in_the_gas(shape):
-    """A start in equilibrium stays there: -dp/dz is the weight of both phases, to
-    rounding.
-    """
-    s, rho, mu, d_p = 0.4, 1.225, 1.7894e-5, 275e-6
-    drag = wen_yu(rho, mu, d_p)
-    u = brentq(lambda u: drag(s, u) * u - (1 - s) * (2500 - rho) * 9.81, 1e-6, 10)
-    grid = rectangle(0.1, 0.2, (5, 10), shape=shape)
-    sides = {"left": SLIP, "right": SLIP, "bottom": Inlet((1 - s) * u), "top": Outlet()}
-    b = bed(grid, closures(drag), sides, (0.0, -9.81), rho_gas=rho, mu_gas=mu)
-    z, weight = grid.centres[:, 1], (s * 2500 + (1 - s) * rho) * 9.81
-    rising = np.stack((0 * z, 0 * z + u), axis=1)
-    b.start(eps_s=s, u_gas=rising, p=(0.2 - z) * weight)
-    for _ in range(50):
-        b.step(b.next_step())
-    assert np.abs(b.state.u_solid).max() < 1e-10
-    np.testing.assert_allclose(b.state.u_gas, rising, atol=1e-10)
-    np.testing.assert_allclose(b.state.p, (0.2 - z) * weight, rtol=1e-9)
-
-
 @pytest.mark.parametrize("dt", [1e-2, 1.0, pytest.param(100.0, marks=pytest.mark.slow)])
 def test_terminal_slip_for_any_step(dt):
     """Steady slip of a dilute suspension between gas walls does not depend on the
@@ -250,55 +226,6 @@ def test_terminal_slip_for_any_step(dt):
     for _ in range(200):
         b.step(dt)
     np.testing.assert_allclose(b.state.u_gas - b.state.u_solid, slip, rtol=1e-8)
-
-
-@pytest.mark.parametrize("superficial", [0.0, 0.03])
-def test_bed_stays_at_rest(superficial):
-    """Gas off, and gas below minimum fluidization: friction carries the particles."""
-
-    def ergun(eps_s, slip):
-        return (
-            150 * eps_s * 1.8e-5 / ((1 - eps_s) * 275e-6**2)
-            + 1.75 * 1.2 * slip / 275e-6
-        )
-
-    grid = rectangle(0.1, 0.2, (4, 16))
-    laws = closures(ergun, 1.0, 0.05, 0.0, 0.01, 1e6, friction=400.0, rubbing=20.0)
-    wall = Wall(gas="slip", solid="no_slip")
-    sides = {"left": wall, "right": wall, "bottom": Inlet(superficial), "top": Outlet()}
-    b = bed(grid, laws, sides, (0.0, -9.81), Options(dt_max=2e-3))
-    b.start(eps_s=0.58, p=(0.2 - grid.centres[:, 1]) * 1.2 * 9.81)
-    b.advance(1.2)
-    # what V3 asks for
-    assert np.abs(b.state.u_solid).max() < 1e-10
-
-
-def test_settling_fronts():
-    """100 um glass in water from eps_s = 0.1: both fronts to 1 % of the height (V5)."""
-    s, rho, mu, d_p, end = 0.1, 998.0, 1e-3, 100e-6, 8.0
-    drag = wen_yu(rho, mu, d_p)
-    slip = brentq(lambda u: drag(s, u) * u - (1 - s) * (2500 - rho) * 9.81, 1e-6, 10)
-    grid = line(0.1, 200)
-    laws, sides = (
-        closures(drag, friction=2e4, eps_friction=0.595),
-        {"left": SLIP, "right": SLIP},
-    )
-    values = {"rho_gas": rho, "mu_gas": mu, "d_p": d_p, "eps_max": 0.6}
-    b = bed(grid, laws, sides, (-9.81,), Options(dt_max=1.0), **values)
-    z = grid.centres[:, 0]
-    b.start(eps_s=s, p=(0.1 - z) * (rho + s * (2500 - rho)) * 9.81)
-    before = solids(b)
-    b.advance(end)
-    order = np.argsort(z)
-    z, eps = z[order], b.state.eps_s[order]
-    top = np.interp(-0.5 * s, -eps[100:], z[100:])
-    bottom = np.interp(-0.35, -eps[:100], z[:100])
-    fall = (1 - s) * slip
-    assert top == pytest.approx(0.1 - fall * end, abs=1e-3)
-    assert bottom == pytest.approx(s * fall / (0.6 - s) * end, abs=1e-3)
-    assert fall == pytest.approx(4.60966e-3, rel=1e-5)
-    assert solids(b) == pytest.approx(before, rel=1e-12)
-    assert b.state.eps_s.max() <= 0.6
 
 
 def settled(cells, end, options):
@@ -346,78 +273,6 @@ def test_fronts_stay_level_at_half_a_cell_a_step():
 
 
 # ---------------------------------------------------------------------- transport
-
-
-def test_shock_of_the_granular_gas():
-    """Isothermal shock tube: plateau between the waves, speed of the shock, about
-    first order in L1 (V6).
-    """
-    state, speed, shock, end = 0.01412995, 0.34743567, 1.18869463, 0.25
-    errors, speeds = [], []
-    for cells in (100, 200):
-        grid = line(1.0, cells)
-        options = Options(theta="frozen", dt_first=1e-3 / cells, dt_max=0.3 / cells)
-        b = bed(
-            grid,
-            closures(pressure=1.0),
-            {"left": SLIP, "right": SLIP},
-            (0.0,),
-            options,
-            rho_gas=1e-8,
-            mu_gas=0.0,
-        )
-        x = grid.centres[:, 0]
-        b.start(eps_s=np.where(x < 0.5, 0.02, 0.01), theta=1.0)
-        b.advance(end)
-        order = np.argsort(x)
-        x, eps, u = (
-            (x[order] - 0.5) / end,
-            b.state.eps_s[order],
-            b.state.u_solid[order, 0],
-        )
-        fan = 0.02 * np.exp(-(x + 1))
-        exact = np.where(
-            x < -1, 0.02, np.where(x < speed - 1, fan, np.where(x < shock, state, 0.01))
-        )
-        errors.append(np.abs(eps - exact).mean())
-        front = np.flatnonzero(eps > 0.5 * (state + 0.01)).max()
-        speeds.append(
-            np.interp(
-                -0.5 * (state + 0.01), -eps[front : front + 2], x[front : front + 2]
-            )
-        )
-        middle = np.argmin(np.abs(x - 0.3))
-    assert eps[middle] == pytest.approx(state, rel=2e-3)
-    assert u[middle] == pytest.approx(speed, rel=5e-3)
-    assert speeds[1] == pytest.approx(shock, abs=0.03)
-    assert abs(speeds[1] - shock) < 0.7 * abs(speeds[0] - shock)
-    assert orders(errors)[0] > 0.7
-
-
-def test_crossing_streams_stay_bounded():
-    """Two pressureless streams that meet: no negative fraction, no new extreme of
-    velocity, mass exact (V7).
-    """
-    grid = line(1.0, 100)
-    b = bed(
-        grid,
-        closures(),
-        {"left": SLIP, "right": SLIP},
-        (0.0,),
-        rho_gas=1e-8,
-        mu_gas=0.0,
-    )
-    x = grid.centres[:, 0]
-    left, right = np.abs(x - 0.3) < 0.1, np.abs(x - 0.7) < 0.1
-    b.start(
-        eps_s=np.where(left | right, 0.01, 0.0),
-        u_solid=np.where(x < 0.5, 1.0, -1.0)[:, None],
-    )
-    before = solids(b)
-    b.advance(0.4)
-    assert b.state.eps_s.min() >= 0 and b.state.eps_s.max() <= 0.63
-    assert np.abs(b.state.u_solid[b.state.eps_s > 1e-9]).max() <= 1.2
-    assert solids(b) == pytest.approx(before, rel=1e-13)
 
 
 WALLS = [Wall(), Wall(solid="slip"), Wall("no_slip", "johnson_jackson", 0.1, 0.9)]
@@ -569,19 +424,6 @@ def test_limiter_keeps_bounds_and_mass():
         assert out.min() >= 0 and out.max() <= 0.6
         assert out @ g.volume == pytest.approx(s @ g.volume, rel=1e-13)
         assert (np.abs(flux) <= np.abs(given)).all() and (flux * given >= 0).all()
-
-
-def test_restart_is_bitwise():
-    one, two = (fluidized(WALLS[2], noise=0.01) for _ in range(2))
-    for _ in range(40):
-        one.step(one.next_step())
-    two.restore(one.saved())
-    for _ in range(20):
-        one.step(one.next_step())
-        two.step(two.next_step())
-    for name in ("eps_s", "u_gas", "u_solid", "theta", "p"):
-        assert np.array_equal(getattr(one.state, name), getattr(two.state, name))
-    assert one.state.time == two.state.time and one.state.account == two.state.account
 
 
 def test_not_finite_names_field_cell_and_place():

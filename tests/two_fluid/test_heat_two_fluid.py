@@ -27,8 +27,9 @@ from contbed.two_fluid.heat.model import Physics, Thermal, build_heat
 from contbed.two_fluid.model import Options
 from studies._exact.packed_bed import schumann
 from tests.balances import assert_closed
-from tests.cases import cases_of
+from tests.cases import each_case
 from tests.refusals import refusal, refused
+from tests.restarts import interrupt, same_run
 from tests.scene_text import scene_of
 
 SLIP = symmetry()
@@ -462,15 +463,7 @@ def scene(changes=None, without=()):
     return changed(PULSE, changes, without)
 
 
-@pytest.mark.parametrize(
-    ("T_solid", "d_p", "density", "told"),
-    [
-        (600.0, 3e-4, "ideal_gas", True),
-        (600.0, 3e-3, "ideal_gas", False),  # 11 m/s, less than what comes in
-        (600.0, 3e-4, "constant", False),
-        (300.0, 3e-4, "ideal_gas", False),
-    ],
-)
+@each_case(__file__, "cold_ideal_gas_between_hot_particles_is_told")
 def test_cold_ideal_gas_between_hot_particles_is_told(T_solid, d_p, density, told):
     """The gas follows in rho_g c_g eps_g d_p^2/(6 eps_s 10 k) = 5.6e-5 s: the 0.06 m
     of it double at 1070 m/s.
@@ -498,30 +491,12 @@ def test_cold_ideal_gas_between_hot_particles_is_told(T_solid, d_p, density, tol
         assert "in 5.6e-05 s and its new volume flows at 1.1e+03 m/s" in found[0]
 
 
-def test_scene_of_a_closed_suspension():
-    found = cb.run(
-        cb.load(
-            Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "heating.toml"
-        )
-    ).qoi
-    H = 6 * 0.001 * 2 * 0.026 / 275e-6**2
-    rate = (
-        np.array([[-1, 1], [1, -1]])
-        * H
-        / np.array([[1.2 * 0.999 * 1005], [2500 * 0.001 * 800]])
-    )
-    exact = expm(0.1 * rate) @ [300.0, 500.0]
-    assert [found["T_gas_mean [K]"], found["T_solid_mean [K]"]] == pytest.approx(
-        exact, rel=1e-11
-    )
-
-
 def test_a_pulse_restarts_bit_for_bit(tmp_path):
     """Stopped right at the end of the pulse, and after it; with what the run writes
     about heat.
     """
     loaded = from_dict(scene({"boundary.jet.until": 0.01}))
-    whole = cb.run(loaded, tmp_path / "whole")
+    whole = cb.run(loaded)
     assert {"gas", "heat", "solids"} <= set(whole.balances)
     assert_closed(whole, 1e-12)
     assert whole.profiles["T_gas_max [K]"].max() > 500.0
@@ -529,26 +504,10 @@ def test_a_pulse_restarts_bit_for_bit(tmp_path):
     assert {"nusselt_gunn", "conductivity_zehner_schluender"} <= {
         use["name"] for use in whole.closures
     }
-    keep = study._keep
-    for rows in (2, 4):
-        part, count = tmp_path / str(rows), []
-
-        def stop(*arguments, rows=rows, count=count):
-            keep(*arguments)
-            count.append(1)
-            if len(count) == rows:
-                raise KeyboardInterrupt
-
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(study, "_keep", stop)
-            with pytest.raises(KeyboardInterrupt):
-                cb.run(loaded, part)
-        rest = cb.run(loaded, part, restart=part)
-        for table in ("axial", "lateral"):
-            for name, column in whole.tables[table].items():
-                assert np.array_equal(column, rest.tables[table][name]), (rows, name)
-        assert rest.balances == whole.balances
-        assert rest.closures == whole.closures  # ranges from before the restart too
+    for rows in (3, 5):
+        part = tmp_path / str(rows)
+        interrupt(loaded, part, study, "_keep", rows)
+        same_run(cb.run(loaded, part, restart=part), whole)
 
 
 def test_coefficient_of_a_closure_file_and_of_a_number():
@@ -607,9 +566,6 @@ def test_a_pulse_brings_what_was_given_and_ends():
     )
 
 
-@pytest.mark.parametrize(
-    ("changes", "without", "told"),
-    cases_of(__file__, "mistakes", "changes", "without", "told"),
-)
+@each_case(__file__, "mistakes")
 def test_a_mistake_about_heat_is_named(changes, without, told):
     assert told in refusal(lambda: from_dict(scene(changes, without)))

@@ -11,9 +11,11 @@ from scipy.optimize import brentq
 import contbed as cb
 from contbed import closures
 from contbed.models import MODELS
+from contbed.two_fluid import run as study
 from contbed.two_fluid.averages import spectrum
 from tests.balances import assert_closed
 from tests.refusals import refused
+from tests.restarts import interrupt, same_run
 
 STUDY = Path(__file__).parents[2] / "studies" / "two_fluid_checks"
 
@@ -78,13 +80,6 @@ def test_cooling_follows_haff():
     # first order in time: 1e-3 at the step of 1e-5 s in the scene, ten times that here
     theta = found("cooling", time__step=1e-4, mesh__cells=[2, 2]).qoi["theta_final"]
     assert theta == pytest.approx(2.005229e-5, rel=1e-2)
-
-
-def test_second_order_cools_better():
-    theta = found("cooling", time__step=2e-4, time__order=2, mesh__cells=[2, 2]).qoi[
-        "theta_final"
-    ]
-    assert theta == pytest.approx(2.005229e-5, rel=3e-4)
 
 
 def test_fronts_of_settling():
@@ -163,26 +158,8 @@ def test_restart_is_bit_for_bit(tmp_path):
         "output.probes": {"low": [0.1, 0.1]},
     }
     scene = cb.load(STUDY / "closed_box_jj.toml", change)
-    whole = cb.run(scene, tmp_path / "whole")
-    from contbed.two_fluid import run as study
-
-    keep, count = study._keep, []
-
-    def stop(*arguments):
-        keep(*arguments)
-        count.append(1)
-        if len(count) == 3:
-            raise KeyboardInterrupt
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "_keep", stop)
-        with pytest.raises(KeyboardInterrupt):
-            cb.run(scene, tmp_path / "part")
-    rest = cb.run(scene, tmp_path / "part", restart=tmp_path / "part")
-    for name, column in whole.profiles.items():
-        assert np.array_equal(column, rest.profiles[name]), name
-    for name, column in whole.tables["axial"].items():
-        assert np.array_equal(column, rest.tables["axial"][name]), name
+    interrupt(scene, tmp_path, study, "_keep", 4)
+    same_run(cb.run(scene, tmp_path, restart=tmp_path), cb.run(scene))
 
 
 def test_a_bed_at_rest_stays_in_a_closed_box():

@@ -19,7 +19,9 @@ from contbed.two_fluid.fv import grid
 from contbed.two_fluid.heat.equations import stored_heat
 from contbed.two_fluid.heat.model import Physics, Thermal, build_heat
 from contbed.two_fluid.model import Options
+from tests.cases import each_case
 from tests.refusals import refused
+from tests.restarts import interrupt, same_run
 from tests.scene_text import scene_of
 
 SLIP = symmetry()
@@ -430,23 +432,7 @@ def towards_the_wall(cells, rate=1.0, depth=0.02):
     return (if_mixed - heat) / heat, heat / exact
 
 
-@pytest.mark.parametrize(
-    ("changes", "text"),
-    [
-        (
-            {"closures__wall_heat": {"name": "penetration", "depth": 1}},
-            "has one parameter",
-        ),
-        (
-            {"closures__wall_heat": {"name": "penetration", "gap": -1}},
-            "in particle diameters",
-        ),
-        ({"closures__wall_heat": "martin"}, "needs molar_mass"),
-        ({"closures__wall_heat": "martini"}, "bed_tube_martin"),
-        ({"boundary__right__wall_heat": 20.0}, "without temperature"),
-        ({"boundary__left__emissivity": 0.9}, "solids.beads.emissivity"),
-    ],
-)
+@each_case(__file__, "mistakes_about_walls")
 def test_mistakes_about_walls(changes, text):
     refused(text, lambda: from_dict(in_scene(4, **changes)))
 
@@ -455,21 +441,8 @@ def test_restart_with_layers_is_bit_for_bit(tmp_path):
     """Stopped on the way: layers and heat of walls are in the checkpoint."""
     made = in_scene(10, time={"end": 0.2, "sample": 0.05})
     made["boundary"]["right"]["heat_flux"] = 1e3
-    whole = cb.run(from_dict(made), tmp_path / "whole")
-    keep, count = study._keep, []
-
-    def stop(*arguments):
-        keep(*arguments)
-        count.append(1)
-        if len(count) == 2:
-            raise KeyboardInterrupt
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "_keep", stop)
-        with pytest.raises(KeyboardInterrupt):
-            cb.run(from_dict(made), tmp_path / "part")
-    rest = cb.run(from_dict(made), tmp_path / "part", restart=tmp_path / "part")
-    assert rest.balances == whole.balances
-    for key in ("heat_left_W", "heat_right_W", "heat_left_error"):
-        assert rest.qoi[key] == whole.qoi[key]
-    assert whole.qoi["heat_right_W"] == pytest.approx(1e3, rel=1e-12)
+    made = from_dict(made)
+    interrupt(made, tmp_path, study, "_keep", 3)
+    rest = cb.run(made, tmp_path, restart=tmp_path)
+    same_run(rest, cb.run(made))
+    assert rest.qoi["heat_right_W"] == pytest.approx(1e3, rel=1e-12)

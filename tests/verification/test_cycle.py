@@ -20,6 +20,7 @@ from contbed.solvers.anderson import Anderson
 from tests.balances import assert_closed
 from tests.particle.tables import rows
 from tests.refusals import refused
+from tests.restarts import interrupt, same_run
 
 EPS, D, FILM, SOLID = 0.4, 0.01, 100.0, 1e6  # -, m, W/m2/K, J/m3/K
 AREA, CONTENT = 6 * (1 - EPS) / D, (1 - EPS) * SOLID
@@ -126,23 +127,12 @@ def same(one, other):
 
 
 @pytest.mark.parametrize("moment", [40, 333, 505])
-def test_an_interrupted_cycle_resumes_bit_for_bit(tmp_path, monkeypatch, moment):
+def test_an_interrupted_cycle_resumes_bit_for_bit(tmp_path, moment):
     """Ctrl-C at a step of the first periods, and of one that repeats steps."""
     path = regenerator(tmp_path / "s.toml", (10, 3), (10, 3), 1e-3, cells=20)
-    whole, passed, count = run(load(path)), HeatSteps.passed, []
-
-    def counted(*given):
-        count.append(1)
-        if len(count) == moment:
-            raise KeyboardInterrupt
-        return passed(*given)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(HeatSteps, "passed", counted)
-        with pytest.raises(KeyboardInterrupt):
-            run(load(path), out=tmp_path / "a")
+    interrupt(load(path), tmp_path / "a", HeatSteps, "passed", moment)
     again = run(load(path), out=tmp_path / "b", restart=tmp_path / "a")
-    same(again, whole)
+    same_run(again, run(load(path)))
     # the cycle that was found, at another time as well
     half = load(path).time.end / 2.0
     path.write_text(

@@ -12,7 +12,6 @@ import contbed as cb
 from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.packed_bed import plan as packed_plan
-from contbed.packed_bed import transient
 from tests.balances import assert_closed
 from tests.scene_text import scene_of
 
@@ -203,23 +202,3 @@ def test_steps_of_one_length_and_cycles_meet_every_kink(time):
     del scene["time"]["tolerance"]
     scene["time"] |= time
     assert len(plan(from_dict(scene)).intervals()) == POINTS - 1
-
-
-def test_a_run_goes_on_between_kinks(tmp_path, monkeypatch):
-    """A restart repeats the numbers of a run that is not interrupted, to the last
-    bit.
-    """
-    scene, marched = from_dict(SCENES["several"]), transient.HeatSteps.march
-    whole = cb.run(scene, quiet=True)
-
-    def stopping(*args):
-        for history in marched(*args):
-            yield history
-            if history.time > 0.4 * END:
-                raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(transient.HeatSteps, "march", stopping)
-        cb.run(scene, out=tmp_path, quiet=True)
-    again = cb.run(scene, restart=tmp_path, quiet=True)
-    assert np.array_equal(again.profiles["T_fluid [K]"], whole.profiles["T_fluid [K]"])

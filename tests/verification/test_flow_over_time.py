@@ -15,6 +15,7 @@ from contbed.loading import from_dict
 from contbed.output.progress import Progress
 from contbed.packed_bed import local_flow
 from tests.balances import assert_closed
+from tests.restarts import interrupt, same_run
 
 
 def cooling(end, **more):
@@ -107,24 +108,11 @@ def test_the_flow_has_a_first_order_error(monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_restarted_run_keeps_its_flow(tmp_path, monkeypatch):
+def test_a_restarted_run_keeps_its_flow(tmp_path):
     """Interrupted after some steps and continued: the same bytes as without."""
     scene = cooling(2.0, time={"tolerance": 1e-1})
-    whole = cb.run(scene)
-    steps = []
-
-    def stop(progress, value, note=""):
-        steps.append(value)
-        if len(steps) == 9:
-            raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(Progress, "advance_to", stop)
-        cb.run(scene, out=tmp_path)
-    again = cb.run(scene, out=tmp_path, restart=tmp_path)
-    assert again.qoi == whole.qoi
-    for name, column in whole.profiles.items():
-        assert np.array_equal(column, again.profiles[name])
+    interrupt(scene, tmp_path, Progress, "advance_to", 9)
+    same_run(cb.run(scene, out=tmp_path, restart=tmp_path), cb.run(scene))
 
 
 @pytest.mark.slow

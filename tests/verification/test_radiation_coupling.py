@@ -27,6 +27,7 @@ from contbed.solvers.linear import Policy
 from studies._exact.conduction_radiation import conduction_diffusion
 from studies._exact.manufactured import observed_order
 from tests.refusals import refused
+from tests.restarts import interrupt
 
 OPTICS = {"absorption": 8.0, "scattering": 2.0}
 HOT, COLD = 1500.0, 400.0
@@ -677,19 +678,9 @@ def test_the_end_of_a_long_run_is_the_steady_state():
 
 def test_a_restart_repeats_the_same_numbers(tmp_path):
     values = heating(times=[1e3])
-    whole = run(values)
-    scene = from_dict(values)
-    stop = {"count": 0}
-
-    def interrupt(self: Any, time: float) -> None:
-        stop["count"] += 1
-        if stop["count"] == whole.qoi["time_steps"] // 2:
-            raise KeyboardInterrupt
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Progress, "advance_to", interrupt)
-        with pytest.raises(KeyboardInterrupt):
-            cb.run(scene, tmp_path)
+    whole, scene = run(values), from_dict(values)
+    half = whole.qoi["time_steps"] // 2
+    interrupt(scene, tmp_path, Progress, "advance_to", half)
     resumed = cb.run(scene, tmp_path, restart=tmp_path)
     for name in ("T_fluid", "T_solid", "G"):
         assert np.array_equal(resumed.nodal[name][1], whole.nodal[name][1])

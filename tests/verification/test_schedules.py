@@ -16,10 +16,12 @@ from contbed.course.schedule import Schedule
 from contbed.errors import SceneError
 from contbed.explain.sheets import explain
 from contbed.loading import from_dict
+from contbed.packed_bed.transient import HeatSteps
 from contbed.scene.series import Samples
 from tests.balances import assert_closed
-from tests.cases import cases_of
+from tests.cases import each_case
 from tests.refusals import refusal, refused
+from tests.restarts import interrupt, same_run
 from tests.scene_text import scene_of, set_keys
 
 SLAB = scene_of(
@@ -386,10 +388,7 @@ def test_initial_profile_of_an_earlier_run(tmp_path):
     )
 
 
-@pytest.mark.parametrize(
-    ("table", "value", "words"),
-    cases_of(__file__, "bad_series", "table", "value", "words"),
-)
+@each_case(__file__, "bad_series")
 def test_bad_series(tmp_path, table, value, words):
     """Mistakes name the key, or the file with line and column, before anything runs."""
     (tmp_path / "text.csv").write_text("t [s],T [K]\n0,300\n1,warm\n")
@@ -463,37 +462,12 @@ def test_a_steady_scene_has_no_series():
     )
 
 
-def test_restart_across_a_jump_is_bit_for_bit(tmp_path, monkeypatch):
-    """A run that is stopped before a jump and restarted gives the bytes of the run
-    that was not.
-    """
+def test_restart_across_a_jump_is_bit_for_bit(tmp_path):
+    """Stopped before the kink at 600 s, and before the jump of the flow at 900 s."""
     scene = from_dict(STORE)
-    whole = cb.run(scene, tmp_path / "whole", quiet=True)
-    from contbed.packed_bed import transient
-
-    marched, stop = transient.HeatSteps.march, {"at": 450.0}
-
-    def stopping(*args):
-        for history in marched(*args):
-            yield history
-            if history.time > stop["at"]:
-                raise KeyboardInterrupt
-
-    monkeypatch.setattr(transient.HeatSteps, "march", stopping)
-    for moment in (450.0, 899.0):
-        stop["at"] = moment
-        with pytest.raises(KeyboardInterrupt):
-            cb.run(
-                scene,
-                tmp_path / "parts",
-                quiet=True,
-                restart=tmp_path / "parts" if moment > 450.0 else None,
-            )
-    monkeypatch.undo()
-    part = cb.run(scene, tmp_path / "parts", quiet=True, restart=tmp_path / "parts")
-    for name in whole.profiles:
-        np.testing.assert_array_equal(part.profiles[name], whole.profiles[name])
-    assert part.balances == whole.balances
+    interrupt(scene, tmp_path, HeatSteps, "passed", 223)
+    interrupt(scene, tmp_path, HeatSteps, "passed", 34, restart=tmp_path)
+    same_run(cb.run(scene, tmp_path, restart=tmp_path), cb.run(scene))
 
 
 def test_a_key_that_takes_a_number_or_a_series_explains_both():
