@@ -117,7 +117,9 @@ class Bench:
     def __str__(self) -> str:
         lines = [self.machine]
         for part in dict.fromkeys(row[0] for row in self.rows):
-            rows = [("case", "unknowns", "error", "user [s]", "ratio")]
+            rows: list[tuple[str, ...]] = [
+                ("case", "unknowns", "error", "user [s]", "ratio")
+            ]
             for _, case, *numbers in (row for row in self.rows if row[0] == part):
                 texts = map(_text, numbers, ("d", ".2e", ".4g", ".3g"))
                 rows.append((case, *texts))
