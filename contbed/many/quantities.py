@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from contbed.errors import SceneError
 from contbed.explain import sheets
 from contbed.fields import FIELDS, labelled, name_of, unit_of
+from contbed.scene.names import nearest
 from contbed.scene.toml_lines import parse_key
 
 
@@ -61,3 +63,21 @@ def result(key: str) -> Quantity:
     return Quantity(
         key, name_of(key).removesuffix(f"_{ending}").removesuffix(f"_{unit}"), unit
     )
+
+
+def number_of(qoi: Mapping[str, Any], name: str, where: str) -> float:
+    """Return a named result of a run; `where` begins the message.
+
+    Raises
+    ------
+    SceneError : it is not among the numbers of the run
+    """
+    numbers = {
+        key: float(value)
+        for key, value in qoi.items()
+        if isinstance(value, int | float) and not isinstance(value, bool)
+    }
+    if name not in numbers:
+        hint = nearest(name, list(numbers))
+        raise SceneError(f'{where}: the run has no result "{name}"; {hint}')
+    return numbers[name]

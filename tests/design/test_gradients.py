@@ -34,7 +34,7 @@ def test_keys_without_a_derivative_are_refused_by_name(name, told):
     ("name", "told"),
     [
         ("T_fluid_out", "did you mean T_fluid_out_K"),
-        ("u_max", "the run has no such number; it has"),
+        ("u_max", 'the run has no result "u_max"; allowed: '),
     ],
 )
 def test_results_that_a_run_does_not_have_are_refused(name, told):

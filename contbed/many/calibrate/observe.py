@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from contbed.errors import SceneError
 from contbed.fields import header, name_of
 from contbed.many.calibrate.experiments import Point
+from contbed.many.quantities import number_of
 from contbed.result import Result
 from contbed.scene.names import nearest
 
@@ -26,22 +26,11 @@ def observe(result: Result, points: Sequence[Point]) -> list[float]:
     SceneError : the run has no such result, column, time or position
     """
     return [
-        _in_profiles(result, point) if point.in_profiles else _named(result, point)
+        _in_profiles(result, point)
+        if point.in_profiles
+        else number_of(result.qoi, point.quantity, point.line)
         for point in points
     ]
-
-
-def _named(result: Result, point: Point) -> float:
-    value: Any = result.qoi.get(point.quantity)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        numbers = [
-            key for key, item in result.qoi.items() if isinstance(item, int | float)
-        ]
-        raise SceneError(
-            f'{point.line}: the run has no number "{point.quantity}"; it has '
-            f"{', '.join(numbers)}"
-        )
-    return float(value)
 
 
 def _in_profiles(result: Result, point: Point) -> float:

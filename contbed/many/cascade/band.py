@@ -33,11 +33,11 @@ from contbed.many.cascade import measured
 from contbed.many.cascade.file import AT_PARTICLE, Cascade
 from contbed.many.cascade.particles import DEGREE, Ensemble
 from contbed.many.cascade.reactor import CONDUCTIVITY, NUSSELT
+from contbed.many.quantities import number_of
 from contbed.many.runs import case_of, compute, folder_of, known
 from contbed.output.folder import SUMMARY
 from contbed.output.shapes import Shape, Use, read_json
 from contbed.scene.mesh import MeshFile
-from contbed.scene.names import nearest_of
 
 Range = tuple[float, float]
 
@@ -126,21 +126,8 @@ class Runs:
         summary = read_json(
             folder / SUMMARY, BedSummary, "the summary of a run", remedy
         )
-        qoi = summary["qoi"]
-        missing = [
-            name
-            for name in self.cascade.settings.qoi
-            if not isinstance(qoi.get(name), int | float)
-        ]
-        if missing:
-            numbers = [
-                key for key, value in qoi.items() if isinstance(value, int | float)
-            ]
-            why = (
-                f'the run has no result "{missing[0]}"; '
-                f"{nearest_of(missing[0], numbers)}"
-            )
-            raise SceneError(f"{self.cascade.path}: qoi: {why}")
+        for name in self.cascade.settings.qoi:
+            number_of(summary["qoi"], name, f"{self.cascade.path}: qoi")
         return summary
 
     def run(

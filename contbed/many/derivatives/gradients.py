@@ -30,6 +30,7 @@ from contbed.errors import SceneError, UnlikeError
 from contbed.many.derivatives import differences, tangent
 from contbed.many.derivatives.differences import Slope
 from contbed.many.derivatives.keys import Key, key
+from contbed.many.quantities import number_of
 from contbed.models import model_of
 from contbed.result import Result
 from contbed.runner import engine_named, run
@@ -163,30 +164,12 @@ def picked(scene: SceneBase, found: dict[str, Any], qoi: Sequence[str]) -> Array
     ------
     SceneError : the run has no such result, or it is not a number
     """
-    values = []
-    for name in qoi:
-        value = found.get(name)
-        if (
-            isinstance(value, bool)
-            or not isinstance(value, int | float)
-            or not math.isfinite(value)
-        ):
-            numbers = [
-                key
-                for key, one in found.items()
-                if isinstance(one, float) and math.isfinite(one)
-            ]
-            near = get_close_matches(name, numbers, n=1)
-            hint = (
-                f"did you mean {near[0]}? it has {', '.join(numbers)}"
-                if near
-                else f"it has {', '.join(numbers)}"
-            )
-            raise SceneError(
-                f"{scene.origin.name}: {name}: the run has no such number; {hint}"
-            )
-        values.append(float(value))
-    return np.array(values)
+    finite = {
+        name: value
+        for name, value in found.items()
+        if not isinstance(value, float) or math.isfinite(value)
+    }
+    return np.array([number_of(finite, name, scene.origin.name) for name in qoi])
 
 
 @single_blas()

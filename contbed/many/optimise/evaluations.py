@@ -21,9 +21,9 @@ from contbed.many.derivatives.differences import seeds, with_seeds
 from contbed.many.derivatives.gradients import gradient
 from contbed.many.optimise.constrained_search import EvaluationFailed
 from contbed.many.optimise.problem import Design, plain
+from contbed.many.quantities import number_of
 from contbed.many.runs import Case, case_of, compute, known
 from contbed.many.store import Store, key_of
-from contbed.scene.names import nearest
 
 TEXT = 2  # exit code of a scene that contradicts itself
 
@@ -173,7 +173,7 @@ class Evaluations:
         ]
         if missing:
             if not self.found:
-                raise SceneError([self._unknown(name, found.qoi) for name in missing])
+                number_of(found.qoi, missing[0], self._place(missing[0]))
             found.problem = f"the run has no result {', '.join(missing)}"
             return
         found.each = np.array([self._functions(found.point, qoi) for qoi in runs])
@@ -204,16 +204,11 @@ class Evaluations:
             *(one.excess(values) for one in self.design.constraints),
         ]
 
-    def _unknown(self, name: str, qoi: Mapping[str, Any]) -> str:
-        """Say that a run has no such result, and where the design asks for it."""
-        uses = [one for one in self.design.constraints if name in one.names]
-        at = (
-            self.design.objective_at
-            if name in self.design.objective.names
-            else uses[0].at
-        )
-        numbers = [key for key, value in qoi.items() if isinstance(value, int | float)]
-        return f'{at}: the run has no result "{name}"; {nearest(name, numbers)}'
+    def _place(self, name: str) -> str:
+        """Return where the design asks for a result."""
+        if name in self.design.objective.names:
+            return self.design.objective_at
+        return next(one.at for one in self.design.constraints if name in one.names)
 
     def derivatives(self, point: Array, keys: Sequence[int]) -> Array:
         """Return the derivatives of objective and constraints to some of the keys,

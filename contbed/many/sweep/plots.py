@@ -17,7 +17,7 @@ import numpy as np
 from contbed.arrays import Array
 from contbed.many.quantities import Quantity, parameter
 from contbed.many.sweep.study import Study
-from contbed.many.sweep.table import Row, columns
+from contbed.many.sweep.table import Row, chosen
 from contbed.output.colours import COLOURS
 from contbed.output.plots import styled_figure
 
@@ -30,7 +30,6 @@ _FAILED: dict[str, Any] = {
 _MOST_RESULTS = 4
 _MOST_EFFECTS = 5
 _BINS = 8  # of a parameter with more values than that
-_CONSTANT = 1e-9  # relative range below which a result does not vary
 _WIDE = 24  # characters of a label
 
 
@@ -89,7 +88,11 @@ def plot(path: Path, study: Study, rows: list[Row]) -> None:
     axes = [
         axis for name in study.axes if (axis := _axis(name, study, rows)) is not None
     ]
-    results = _results(study, rows)
+    results = chosen(study, rows)
+    if study.qoi:
+        results.sort(key=lambda item: study.qoi.index(item[0].key))
+    else:
+        results = results[:_MOST_RESULTS]
     failed = np.array([bool(row.exit_code) for row in rows])
     if not axes or not results:
         return
@@ -119,26 +122,6 @@ def _axis(name: str, study: Study, rows: list[Row]) -> _Axis | None:
     choices = tuple(dict.fromkeys(texts))
     places = np.array([choices.index(text) for text in texts], dtype=float)
     return _Axis(parameter(name, values), places, choices) if len(choices) > 1 else None
-
-
-def _results(study: Study, rows: list[Row]) -> list[tuple[Quantity, Array]]:
-    """Return what to plot: the chosen results, else the first that vary; nan where a
-    run has no such number.
-    """
-    found = []
-    for quantity in columns(study, rows)[1]:
-        values = [row.qoi.get(quantity.key) for row in rows]
-        numbers = np.array(
-            [np.nan if not isinstance(v, int | float) else v for v in values],
-            dtype=float,
-        )
-        there = numbers[np.isfinite(numbers)]
-        varies = len(there) > 1 and np.ptp(there) > _CONSTANT * np.abs(there).max()
-        if quantity.key in study.qoi or (not study.qoi and varies):
-            found.append((quantity, numbers))
-    if study.qoi:
-        return sorted(found, key=lambda item: study.qoi.index(item[0].key))
-    return found[:_MOST_RESULTS]
 
 
 def _lines(

@@ -4,15 +4,21 @@ CSV and as JSON.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from contbed.arrays import Array
 from contbed.many.quantities import Quantity, parameter, result
 from contbed.many.sweep.study import Study
 from contbed.many.tables import write_rows
 from contbed.output.summary import write_json
+
+# range of a result over its size above which it varies, by more than by rounding
+VARIES = 1e-9
 
 
 @dataclass(frozen=True)
@@ -72,7 +78,7 @@ def write(out: Path, study: Study, rows: list[Row]) -> None:
     )
 
 
-def columns(study: Study, rows: list[Row]) -> tuple[list[Quantity], list[Quantity]]:
+def columns(study: Study, rows: Sequence[Row]) -> tuple[list[Quantity], list[Quantity]]:
     """Return the parameters, and the results that any run has."""
     keys = dict.fromkeys(key for row in rows for key in row.qoi)
     parameters = [
@@ -80,6 +86,24 @@ def columns(study: Study, rows: list[Row]) -> tuple[list[Quantity], list[Quantit
         for key in study.parameters
     ]
     return parameters, [result(key) for key in keys]
+
+
+def chosen(study: Study, rows: Sequence[Row]) -> list[tuple[Quantity, Array]]:
+    """Return the results that a study asks for, else all that vary, with their values
+    (rows,); nan where a run has no such number.
+    """
+    found = []
+    for quantity in columns(study, rows)[1]:
+        given = [row.qoi.get(quantity.key) for row in rows]
+        numbers = [
+            value if isinstance(value, int | float) else np.nan for value in given
+        ]
+        values = np.array(numbers, dtype=float)
+        there = values[np.isfinite(values)]
+        varies = len(there) > 1 and np.ptp(there) > VARIES * np.abs(there).max()
+        if quantity.key in study.qoi or (not study.qoi and varies):
+            found.append((quantity, values))
+    return found
 
 
 def _cells(parameters: list[Quantity], results: list[Quantity], row: Row) -> list[Any]:

@@ -17,13 +17,12 @@ from typing import Any
 import numpy as np
 
 from contbed.arrays import Array
+from contbed.many.sweep.table import VARIES
 from contbed.many.uncertainty.propagate import of_size_one
 from contbed.many.value_sets import LEVELS
 
 CONFIDENCE = 0.90  # of the half widths of indices
 RESAMPLES = 200  # of the groups, for their confidence
-# range of a result over its size above which it varies, and by more than by rounding
-VARIES = 1e-9
 LEAST_GROUPS = 4  # with which indices say something
 SEED = 1  # of the resampling; SALib takes 0 for none
 

@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 
 from contbed.arrays import Array
 from contbed.many.distributions import Distribution
-from contbed.many.uncertainty.indices import SOBOL_COLUMNS, VARIES, Indices
+from contbed.many.sweep.table import VARIES
+from contbed.many.uncertainty.indices import SOBOL_COLUMNS, Indices
 from contbed.many.uncertainty.propagate import COVERAGE, Spread, of_size_one
 
 # share of the variance that the polynomial may leave; above, its indices say little

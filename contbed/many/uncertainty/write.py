@@ -18,9 +18,9 @@ from contbed.many.derivatives.gradients import gradient
 from contbed.many.quantities import Quantity
 from contbed.many.store import Store, key_of
 from contbed.many.sweep.study import Sample, Study
-from contbed.many.sweep.table import Row, columns
+from contbed.many.sweep.table import Row, chosen
 from contbed.many.tables import write_rows
-from contbed.many.uncertainty.indices import VARIES, Indices, indices
+from contbed.many.uncertainty.indices import Indices, indices
 from contbed.many.uncertainty.polynomial_chaos import (
     chaos_indices,
     chaos_spread,
@@ -78,13 +78,11 @@ def write(study: Study, rows: Sequence[Row], out: Path) -> Report | None:
     if not all(name in by_name for name in study.order):
         return None
     ordered = [by_name[name] for name in study.order]
-    chosen = _results(study, rows)
-    slopes, told = _slopes(
-        study, sample, [quantity.key for quantity, _ in chosen], ordered, out
-    )
+    results = chosen(study, ordered)
+    names = [quantity.key for quantity, _ in results]
+    slopes, told = _slopes(study, sample, names, ordered, out)
     found = []
-    for quantity, _ in chosen:
-        values = np.array([_number(row.qoi.get(quantity.key)) for row in ordered])
+    for quantity, values in results:
         drawn = independent(sample.method, sample.points)
         spreads = [of_sample(values[drawn])]
         shares = None
@@ -112,26 +110,6 @@ def write(study: Study, rows: Sequence[Row], out: Path) -> Report | None:
     report = Report(sample, tuple(found), tuple(told))
     _write(report, out)
     return report
-
-
-def _results(study: Study, rows: Sequence[Row]) -> list[tuple[Quantity, Array]]:
-    """Return the chosen results, else all numbers that vary."""
-    found = []
-    for quantity in columns(study, list(rows))[1]:
-        values = np.array([_number(row.qoi.get(quantity.key)) for row in rows])
-        there = values[np.isfinite(values)]
-        varies = len(there) > 1 and np.ptp(there) > VARIES * np.abs(there).max()
-        if quantity.key in study.qoi or (not study.qoi and varies):
-            found.append((quantity, values))
-    return found
-
-
-def _number(value: Any) -> float:
-    return (
-        float(value)
-        if isinstance(value, int | float) and not isinstance(value, bool)
-        else float("nan")
-    )
 
 
 def _slopes(
