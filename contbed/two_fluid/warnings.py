@@ -13,7 +13,15 @@ from contbed.scene.checking import Mistakes
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, KINDS
-from contbed.two_fluid.conditions import Boundary, Initial, Inlet, Layer, Periodic, Wall
+from contbed.two_fluid.conditions import (
+    Boundary,
+    Initial,
+    Inlet,
+    Layer,
+    Outlet,
+    Periodic,
+    Wall,
+)
 from contbed.two_fluid.filters import unlike_the_cells
 
 if TYPE_CHECKING:
@@ -120,6 +128,30 @@ def walls_slip(closures: t.Closures, boundary: Mapping[str, Boundary]) -> Mistak
                 "holds where gas and particles slip along walls, not along "
                 f"{', '.join(rough)}",
             )
+
+
+def something_holds_the_particles(
+    boundary: Mapping[str, Boundary], two_fluid: t.TwoFluid
+) -> Mistakes:
+    """Look for a vessel that is endless upwards, in which gas and particles fall
+    together for ever.
+    """
+    joined = {
+        side
+        for name, part in boundary.items()
+        if isinstance(part, Periodic)
+        for side in (name, part.partner)
+    }
+    others = [part for part in boundary.values() if not isinstance(part, Periodic)]
+    held = any(isinstance(part, Wall | Inlet | Outlet) for part in others)
+    if two_fluid.gravity > 0 and {"bottom", "top"} <= joined and not held:
+        name = "bottom" if "bottom" in boundary else "top"
+        yield (
+            ("boundary", name),
+            "joins bottom and top, and no wall, inlet or outlet carries the weight: gas "
+            "and particles fall together with g t; close the bottom by a wall, let gas "
+            "enter there, or give two_fluid.gravity = 0",
+        )
 
 
 def properties_are_known(
@@ -311,5 +343,6 @@ WARNINGS = (
     there_are_particles,
     gas_enters_and_carries,
     walls_slip,
+    something_holds_the_particles,
     properties_are_known,
 )

@@ -124,6 +124,23 @@ def test_what_may_be_meant_is_a_warning(changes, told):
     assert told in str(planned)
 
 
+def test_what_nothing_holds_falls_for_ever():
+    """Bottom and top are one; a wall at a side, or no gravity, is no fall for ever."""
+    endless = {
+        "boundary.bottom": {"type": "periodic", "partner": "top"},
+        "boundary.left": {"type": "symmetry"},
+        "boundary.right": {"type": "symmetry"},
+    }
+    (found,) = from_dict(scene(endless, ("boundary.top",))).warnings
+    assert "boundary.bottom: joins bottom and top" in found and "fall together" in found
+    for change in (
+        {"boundary.left": {"type": "wall"}},
+        {"two_fluid.gravity": 0.0},
+    ):
+        found = from_dict(scene(endless | change, ("boundary.top",))).warnings
+        assert not any("fall together" in text for text in found)
+
+
 def test_rings_are_compared_by_their_area():
     """A piece from 0.026 to 0.048 m covers the faces from 0.025 to 0.05 m:
     (0.05^2 - 0.025^2)/(0.048^2 - 0.026^2).
