@@ -201,17 +201,21 @@ def heat_alone_uses_temperatures(
     for key in OF_HEAT:
         if key in closures.model_fields_set:
             yield ("closures", key), remedy
-    stream = None if isinstance(gas, GasConstant) else given_velocity(boundary, "fluid")
-    inlet = None if stream is None else stream[0]
+    inlet = given_velocity(boundary, "fluid")
+    varies = inlet is not None and not isinstance(gas, GasConstant)
+    known = False
     for name, table in boundary.items():
         for phase in PHASES:
             condition = table.thermal(phase)
-            of_gas = (name, phase) == (inlet, "fluid")
-            if condition is not None and not (of_gas and condition.temperature):
+            if condition is None:
+                continue
+            if varies and phase == "fluid" and condition.temperature is not None:
+                known = True
+            else:
                 yield ("boundary", name, *table.key(phase)), remedy
-    if inlet is not None and boundary[inlet].thermal("fluid") is None:
+    if varies and inlet is not None and not known:
         yield (
-            ("boundary", inlet, "gas", "temperature"),
+            ("boundary", inlet[0], "gas", "temperature"),
             "is missing: without [heat] the properties of the gas are taken at it",
         )
     for name in region:
