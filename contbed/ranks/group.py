@@ -148,12 +148,6 @@ class RankGroup:
         self.comm.Scatterv(shares, mine)
         return mine
 
-    def range_of(self, size: int) -> Any:
-        """Return the numbers of the calling rank where `size` of them are shared out
-        in equal ranges.
-        """
-        return np.arange(*self._ends(size)[self.comm.rank :][:2])
-
     def spread(self, values: Any, width: int, dtype: Any) -> Any:
         """Distribute rows (n, width) of rank 0 in equal ranges; only rank 0 knows
         `values`.

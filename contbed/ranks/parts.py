@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import EngineError
-from contbed.mesh.tensor import Tensor
 from contbed.ranks import dolfinx
 from contbed.ranks.group import RankGroup
 from contbed.ranks.petsc import Layout, LocalMatrix
@@ -35,35 +34,25 @@ def make_mesh(
     root: Any,
     key: int,
     cell: str,
-    corners: Any,
+    corners: int,
     dim: int,
-    tensor: Tensor | None,
 ) -> Any:
     """Distribute a mesh; return the cells of each rank in turn and their number.
 
-    Each rank begins with an equal range of cells and nodes: its own of a `tensor`, or
-    what rank 0 sends of `root`, (ncells, nv) and (n, dim). Then DOLFINx moves cells to
-    where their neighbours are. `corners` is the order of the nodes of a cell of the
-    `tensor` in DOLFINx.
+    Each rank begins with an equal range of the cells (ncells, corners) and nodes (n,
+    dim) that `root` has. Then DOLFINx moves cells to where their neighbours are.
     """
     whole, nodes = root or (None, None)
-    if tensor is None:
-        cells = all_ranks.spread(whole, len(corners), np.int64)
-        points = all_ranks.spread(nodes, dim, float)
-    else:
-        cells = tensor.corners(all_ranks.range_of(tensor.cells))[:, corners]
-        points = tensor.points(all_ranks.range_of(tensor.nodes))
+    cells = all_ranks.spread(whole, corners, np.int64)
+    points = all_ranks.spread(nodes, dim, float)
     mesh = dolfinx.create_mesh(all_ranks.comm, cell, cells, points)
     owned = mesh.topology.index_map(dim).size_local
     original = np.asarray(mesh.topology.original_cell_index[:owned], dtype=np.int64)
     counts = all_ranks.comm.gather(owned)
     order = all_ranks.gather(original, counts)
-    if tensor is None:
-        given = all_ranks.scatter(
-            None if whole is None else whole[order], counts, len(corners), np.int64
-        )
-    else:
-        given = tensor.corners(original)[:, corners]
+    given = all_ranks.scatter(
+        None if whole is None else whole[order], counts, corners, np.int64
+    )
     found = np.asarray(mesh.geometry.input_global_indices)[
         dolfinx.geometry_list(mesh)[:owned]
     ]

@@ -27,7 +27,6 @@ from contbed.fem import skfem
 from contbed.fem.ad.dual import Components
 from contbed.fem.ad.graph import Field, Graph, Node, recorded
 from contbed.fem.elements import Space, lagrange
-from contbed.mesh.tensor import tensor_of
 from contbed.ranks import parts
 from contbed.ranks.group import RankGroup, rank_group
 from contbed.ranks.petsc import Layout, Matrix
@@ -73,20 +72,14 @@ class Partition:
                     "cells: each rank needs one; "
                     "start fewer ranks or refine the mesh"
                 )
-            key, corners, tensor = (
-                all_ranks.new_key(),
-                _order(refdom, 1),
-                tensor_of(mesh),
-            )
-            whole = None if tensor else (mesh.t[corners].T, mesh.p.T)
+            key, cells = all_ranks.new_key(), mesh.t[_order(refdom, 1)].T
             order, counts = all_ranks.run_on_all(
                 parts.make_mesh,
                 key,
                 CELLS[refdom],
-                corners,
+                cells.shape[1],
                 mesh.dim(),
-                tensor,
-                root=whole,
+                root=(cells, mesh.p.T),
             )
             all_ranks.partition = kept = cls(mesh, key, order, counts)
         return kept

@@ -64,7 +64,6 @@ def solved(part, whole_system, comm):
         part.centres,
         part.middles,
         {},
-        {},
         part.axisymmetric,
         part.bandwidth,
         False,

@@ -205,7 +205,6 @@ def test_layers_beside_walls_are_those_of_the_grid(name):
             part.centres,
             part.middles,
             {},
-            {},
             part.axisymmetric,
             part.bandwidth,
             False,

@@ -241,7 +241,6 @@ class Division:
             whole.centres,
             middles[faces[taken]],
             {name: numbers - ni + first for name, numbers in whole.boundaries.items()},
-            whole.regions,
             whole.axisymmetric,
             whole.bandwidth,
             whole.place is not None,

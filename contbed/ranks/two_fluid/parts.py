@@ -133,7 +133,6 @@ def make(
         part.centres,
         part.middles,
         {},
-        {},
         part.axisymmetric,
         part.bandwidth,
         False,

@@ -75,7 +75,7 @@ class Connections:
     points into the left cell; that of a periodic face is the right one's vectors,
     middles (nfacets, dim) : area vectors and middles of the facets centres (nc, dim),
     volume (nc,) : of cells
-    boundaries, regions, bandwidth : see `grid.Grid`
+    boundaries, bandwidth : see `grid.Grid`
     place (nc,) : of the mesh's cells in the lattice of a rectangular grid, else None
     """
 
@@ -90,7 +90,6 @@ class Connections:
     centres: Array
     volume: Array
     boundaries: dict[str, Indices]
-    regions: dict[str, Indices]
     axisymmetric: bool
     bandwidth: int
     place: Indices | None
@@ -220,7 +219,6 @@ def connect(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Connections
         centres[cells],
         volume[cells],
         {name: np.sort(f[f >= 0]) for name, f in named.items() if (f >= 0).any()},
-        {name: np.sort(rank[c]) for name, c in old.subdomains.items()},
         mesh.axisymmetric,
         bandwidth,
         place,

@@ -89,7 +89,6 @@ class Grid:
     `out[grid.cells] = field` centres (nc, dim), middles (nf, dim) : of cells and
     faces [m]
     boundaries : faces of each named boundary that is not periodic
-    regions : cells of each named region
     bandwidth : largest distance of neighbours in the numbering by reverse Cuthill-McKee
     rectangular : whether the grid has rows
     places (nc, dim) : of the cells on the lattice of a rectangular grid that no
@@ -102,7 +101,6 @@ class Grid:
     centres: np.ndarray
     middles: np.ndarray
     boundaries: dict[str, np.ndarray]
-    regions: dict[str, np.ndarray]
     axisymmetric: bool
     bandwidth: int
     rectangular: bool
@@ -210,7 +208,6 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
         links.centres,
         links.middles,
         c.boundaries,
-        c.regions,
         mesh.axisymmetric,
         c.bandwidth,
         c.place is not None,
