@@ -18,7 +18,7 @@ over the faces on which a velocity is solved for, normalised.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -71,7 +71,7 @@ class Shares(NamedTuple):
     inside: Array
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Grid:
     """Cells from `lower`, of `size` [m], `count` along each axis; z points up, inlet
     below, outlet above.
@@ -90,45 +90,29 @@ class Grid:
     count: tuple[int, int, int]
     periodic: tuple[bool, bool] = (False, False)
     blocked: Flags | None = None
-    cell_face: Integers = field(init=False, repr=False)
-    face_cell: Integers = field(init=False, repr=False)
-    face_next: Integers = field(init=False, repr=False)
-    face_axis: Integers = field(init=False, repr=False)
-    face_kind: Integers = field(init=False, repr=False)
-    face_volume: Array = field(init=False, repr=False)
-    face_first: Integers = field(init=False, repr=False)
-    open_cells: Flags = field(init=False, repr=False)
-    tables: Tables = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        lower = np.array(self.lower, dtype=float)
-        size = np.array(self.size, dtype=float)
-        if not (size > 0.0).all() or min(self.count) < 1:
+        self.lower = np.array(self.lower, dtype=float)
+        self.size = np.array(self.size, dtype=float)
+        if not (self.size > 0.0).all() or min(self.count) < 1:
             raise SceneError(
-                f"gas: {self.count} cells of {size} m; numbers and sizes must be "
+                f"gas: {self.count} cells of {self.size} m; numbers and sizes must be "
                 "positive"
             )
-        opened = (
-            np.ones(self.count, bool)
-            if self.blocked is None
-            else ~np.asarray(self.blocked, dtype=bool)
-        )
+        opened = np.ones(self.count, bool)
+        if self.blocked is not None:
+            opened = ~np.asarray(self.blocked, dtype=bool)
         if opened.shape != tuple(self.count):
             raise SceneError(
                 f"gas: blocked cells of shape {opened.shape}, the grid has {self.count}"
             )
-        for name, value in (
-            ("lower", lower),
-            ("size", size),
-            ("open_cells", opened.ravel()),
-        ):
-            object.__setattr__(self, name, value)
+        self.open_cells: Flags = opened.ravel()
         self._connect()
-        object.__setattr__(self, "face_volume", self._volumes())
+        self.face_volume = self._volumes()
         nx, ny, nz = (int(n) for n in self.count)
         names = (name for name in Tables._fields if name != "shape")
         tables = {name: np.ascontiguousarray(getattr(self, name)) for name in names}
-        object.__setattr__(self, "tables", Tables(shape=(nx, ny, nz), **tables))
+        self.tables = Tables(shape=(nx, ny, nz), **tables)
 
     @property
     def cells(self) -> int:
@@ -203,52 +187,43 @@ class Grid:
         return room
 
     def _connect(self) -> None:
+        """Give the faces numbers, those across x first, and find what is beside each."""
         count, sides = np.array(self.count), self.sides
         number = np.arange(self.cells).reshape(self.count)
-        cell_face = np.full((self.cells, 6), -1)
+        self.cell_face: Integers = np.empty((self.cells, 6), np.int64)
         cells, nexts, axes, kinds, first = [], [], [], [], [0]
-        opened = self.open_cells
         for a in range(3):
             shape = count.copy()
             shape[a] += not sides[a]
             faces = first[-1] + np.arange(shape.prod()).reshape(shape)
-            around = np.full((*shape, 2), -1)
-            at = np.moveaxis(around, a, 0)
-            within = np.moveaxis(number, a, 0)
-            if sides[a]:
-                at[..., 1], at[..., 0] = within, np.roll(within, 1, axis=0)
-            else:
-                at[:-1, ..., 1], at[1:, ..., 0] = within, within
-            low = np.moveaxis(faces, a, 0)
-            cell_face[:, 2 * a] = np.moveaxis(low[: count[a]], 0, a).ravel()
-            high = np.roll(low, -1, axis=0) if sides[a] else low[1:]
-            cell_face[:, 2 * a + 1] = np.moveaxis(high, 0, a).ravel()
-            beside = np.full((*shape, 6), -1)
-            for b in range(3):
-                ordered, to = np.moveaxis(faces, b, 0), np.moveaxis(beside, b, 0)
-                if sides[b]:
-                    to[..., 2 * b] = np.roll(ordered, 1, axis=0)
-                    to[..., 2 * b + 1] = np.roll(ordered, -1, axis=0)
-                else:
-                    to[1:, ..., 2 * b] = ordered[:-1]
-                    to[:-1, ..., 2 * b + 1] = ordered[1:]
-            around = around.reshape(-1, 2)
-            kind = np.full(len(around), INNER)
-            kind[around[:, 0] < 0] = INLET if a == 2 else WALL
-            kind[around[:, 1] < 0] = OUTLET if a == 2 else WALL
-            shut = ((around >= 0) & ~opened[around]).any(axis=1)
-            kind[shut] = WALL
-            cells.append(around)
-            nexts.append(beside.reshape(-1, 6))
-            axes.append(np.full(len(around), a))
-            kinds.append(kind)
-            first.append(first[-1] + len(around))
-        tables = {
-            "cell_face": cell_face, "face_cell": np.concatenate(cells), "face_next": np.concatenate(nexts),
-            "face_axis": np.concatenate(axes), "face_kind": np.concatenate(kinds), "face_first": np.array(first[:3]),
-        }  # fmt: skip
-        for name, table in tables.items():
-            object.__setattr__(self, name, np.ascontiguousarray(table))
+            for end in range(2):
+                of_cells = _along(faces, np.arange(count[a]) + end, a, sides[a])
+                self.cell_face[:, 2 * a + end] = of_cells
+            places = (np.arange(shape[a]) + step for step in (-1, 0))
+            around = [_along(number, place, a, sides[a]) for place in places]
+            beside = [
+                _along(faces, np.arange(shape[b]) + step, b, sides[b])
+                for b in range(3)
+                for step in (-1, 1)
+            ]
+            cells.append(np.stack(around, axis=1))
+            nexts.append(np.stack(beside, axis=1))
+            axes.append(np.full(faces.size, a))
+            kinds.append(self._kinds(cells[-1], a))
+            first.append(first[-1] + faces.size)
+        self.face_cell: Integers = np.concatenate(cells)
+        self.face_next: Integers = np.concatenate(nexts)
+        self.face_axis: Integers = np.concatenate(axes)
+        self.face_kind: Integers = np.concatenate(kinds)
+        self.face_first: Integers = np.array(first[:3])
+
+    def _kinds(self, around: Integers, axis: int) -> Integers:
+        """Return what faces across an axis are, by the cells (n, 2) around them."""
+        kind: Integers = np.full(len(around), INNER)
+        kind[around[:, 0] < 0] = INLET if axis == 2 else WALL
+        kind[around[:, 1] < 0] = OUTLET if axis == 2 else WALL
+        kind[((around >= 0) & ~self.open_cells[around]).any(axis=1)] = WALL
+        return kind
 
     def _volumes(self) -> Array:
         offsets = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5
@@ -264,6 +239,15 @@ class Grid:
             faces, weights = self.weights(centres + offset)
             volume += np.bincount(faces.ravel(), weights.ravel(), len(volume))
         return volume * self.volume / len(inner)
+
+
+def _along(numbers: Integers, place: Integers, axis: int, periodic: bool) -> Integers:
+    """Return the numbers (n,) at places along an axis; -1 beyond an open end."""
+    size = numbers.shape[axis]
+    found = numbers.take(place % size, axis)
+    if not periodic:
+        np.moveaxis(found, axis, 0)[(place < 0) | (place >= size)] = -1
+    return np.asarray(found.ravel())
 
 
 @entry(nogil=True, cache=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import combinations
-from math import prod
 
 from contbed.closures import names, sheet
 from contbed.closures.binding import bind
@@ -53,32 +52,10 @@ def mesh_has_cells(mesh: meshes.Mesh, origin: Origin) -> Mistakes:
             ("mesh", "cells"),
             "missing; a two-fluid model has no layers to grade a mesh by",
         )
-    elif (
-        mesh.refine == 0
-        and (mesh.cells if isinstance(mesh.cells, int) else prod(mesh.cells)) == 1
-    ):
-        yield (
-            ("mesh", "cells"),
-            "one cell has no neighbour; give at least 2",
-        )
 
 
-def layers_are_in_the_vessel(initial: Initial, mesh: meshes.Mesh) -> Mistakes:
-    """Check that each layer is in the vessel, and that no two layers set the same
-    field at the same place.
-    """
-    for k, layer in enumerate(initial.layer):
-        if layer.end <= 0.0 and not isinstance(mesh, meshes.MeshFile):
-            yield (
-                ("initial", "layer", k, "end"),
-                "ends below 0 m, where the vessel begins; raise it",
-            )
-        if not isinstance(mesh, meshes.MeshFile) and layer.start >= mesh.extents[-1]:
-            text = (
-                f"the vessel ends at {mesh.extents[-1]:.6g} m; nothing of the layer "
-                "is in it"
-            )
-            yield ("initial", "layer", k, "start"), text
+def layers_do_not_overlap(initial: Initial) -> Mistakes:
+    """Check that no two layers set the same fields in the same place."""
     for (i, first), (k, second) in combinations(enumerate(initial.layer), 2):
         fields = sorted(_given_fields(first) & _given_fields(second))
         if fields and max(first.start, second.start) < min(first.end, second.end):
@@ -146,32 +123,10 @@ def pieces_do_not_overlap(boundary: dict[str, Boundary]) -> Mistakes:
             )
 
 
-def particles_fit_the_mesh(
-    solids: dict[str, t.Solid], mesh: meshes.Mesh, see: See
-) -> Mistakes:
-    """Check that a particle has room in the vessel."""
-    ((name, solid),) = solids.items()
-    if not isinstance(mesh, meshes.MeshFile) and solid.diameter >= min(mesh.extents):
-        text = (
-            f"is not smaller than the width of the vessel, {min(mesh.extents):.4g} m; "
-            f"see {see('mesh')}"
-        )
-        yield ("solids", name, "diameter"), text
-
-
-def window_is_in_the_vessel(output: t.Output, mesh: meshes.Mesh) -> Mistakes:
-    """Check that the window of averages lies in the vessel."""
-    if (window := output.window) is None:
-        return
-    if window.start >= window.end:
+def window_is_in_order(output: t.Output) -> Mistakes:
+    """Check that the window of averages ends above its start."""
+    if output.window is not None and output.window.start >= output.window.end:
         yield ("output", "window", "end"), "is not above start"
-    elif not isinstance(mesh, meshes.MeshFile) and (
-        window.end <= 0.0 or window.start >= mesh.extents[-1]
-    ):
-        yield (
-            ("output", "window"),
-            f"outside of the vessel, which reaches from 0 to {mesh.extents[-1]:.6g} m",
-        )
 
 
 def levels_are_in_the_vessel(output: t.Output, mesh: meshes.Mesh) -> Mistakes:
@@ -516,10 +471,9 @@ CHECKS = (
     friction_of_particles_is_complete,
     filtered_closures_have_their_velocity,
     factors_near_walls_have_what_they_multiply,
-    layers_are_in_the_vessel,
+    layers_do_not_overlap,
     pieces_do_not_overlap,
-    particles_fit_the_mesh,
-    window_is_in_the_vessel,
+    window_is_in_order,
     levels_are_in_the_vessel,
     fractions_fit,
     boundaries_are_complete,

@@ -27,7 +27,7 @@ from contbed.two_fluid.model import Model
 from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.pressure import Projection, zero_slope_gradient
 from contbed.two_fluid.properties import density_ratio
-from contbed.two_fluid.state import Energy, Properties, State
+from contbed.two_fluid.state import Energy, Properties, State, fastest_gas
 from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress
 from contbed.two_fluid.timing import phase
 
@@ -236,11 +236,7 @@ def predict(
         slip,
     )
     halo = model.grid.halo
-    crossed = (
-        dt
-        * halo.max(float(state.fluxes.outflow_gas[halo.cells].max()))
-        / SUBCYCLE_COURANT
-    )
+    crossed = dt * fastest_gas(state, halo) / SUBCYCLE_COURANT
     gas = Phase(
         "u_gas",
         materials.rho_gas,

@@ -16,11 +16,11 @@ from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import MAX_SUBCYCLES, SUBCYCLE_COURANT
 from contbed.two_fluid.properties import shear_rate
 from contbed.two_fluid.state import (
-    Account,
     State,
+    booked,
     check_finite,
+    fastest_gas,
     flatten,
-    in_and_out,
     rebuild,
     zero_state,
 )
@@ -160,11 +160,7 @@ class Simulation:
             return o.dt / max(
                 1, int(np.ceil(crossed / FIXED_COURANT * (1.0 - ROUNDING)))
             )
-        halo = self.model.grid.halo
-        gas, solid = (
-            halo.max(float(np.max(state.fluxes.outflow_gas[halo.cells], initial=0.0))),
-            self._fastest_solid(),
-        )
+        gas, solid = fastest_gas(state, self.model.grid.halo), self._fastest_solid()
         courant_gas = MAX_SUBCYCLES * SUBCYCLE_COURANT
         rate = max(
             solid / o.courant,
@@ -197,7 +193,10 @@ class Simulation:
         new, total = first_order(self.state, dt, self.model)
         if self.model.options.order == 2:
             new, total = second_order(self.state, new, total, dt, self.model)
-        account = book(self.state.account, dt, new.fluxes.moved, total, self.model)
+        moved = new.fluxes.moved
+        account = booked(
+            self.state.account, dt, (moved, total - moved), self.model.grid
+        )
         time, steps = self.state.time + dt, self.state.steps + 1
         self.state = replace(
             new, account=account, time=time, dt=dt, dt_wanted=dt, steps=steps
@@ -280,21 +279,3 @@ def second_order(
 def _limited(state: State) -> int:
     """How often a limit has acted or a cell packed."""
     return state.counters.limited_faces + state.counters.packing_rounds
-
-
-def book(
-    account: Account, dt: float, solid: Array, total: Array, model: Model
-) -> Account:
-    """Add the volumes that crossed the boundary with the solids flux and the total
-    flux (nf,) [m3/s].
-    """
-    halo = model.grid.halo
-    solid, total = (
-        solid[model.grid.interior :][halo.edges],
-        total[model.grid.interior :][halo.edges],
-    )
-    gas = total - solid
-    crossed = halo.sum(*in_and_out(dt, solid), *in_and_out(dt, gas))
-    return Account(
-        *(before + volume for before, volume in zip(account, crossed, strict=True))
-    )

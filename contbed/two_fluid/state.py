@@ -5,7 +5,7 @@ All arrays are in the order of the grid, for nc cells, nf faces and dim directio
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, NamedTuple, TypeVar
 
@@ -14,6 +14,7 @@ import numpy as np
 from contbed.errors import ConvergenceError
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.fv.halo import Halo
 from contbed.two_fluid.rheology import Rheology
 
 Value = TypeVar("Value")
@@ -244,10 +245,29 @@ class State:
         )
 
 
-def in_and_out(dt: float, flux: Array) -> tuple[float, float]:
-    """Return what comes in and what goes out in `dt` [s] by an outward flux of faces."""
-    came, went = np.sum(flux, where=flux < 0), np.sum(flux, where=flux > 0)
-    return -dt * float(came), dt * float(went)
+def fastest_gas(state: State, halo: Halo) -> float:
+    """Return the largest rate [1/s] at which the velocity of the gas empties a cell."""
+    outflow = state.fluxes.outflow_gas[halo.cells]
+    return halo.max(float(np.max(outflow, initial=0.0)))
+
+
+def booked(
+    account: Value, dt: float, crossing: Sequence[Array | float], grid: Grid
+) -> Value:
+    """Return an account with what comes in and what goes out in `dt` [s] by outward
+    fluxes (nf,) of the faces of the boundary; numbers among them are added.
+    """
+    more: list[float] = []
+    for flux in crossing:
+        if isinstance(flux, np.ndarray):
+            outward = flux[grid.interior :][grid.halo.edges]
+            more.append(-dt * float(np.sum(outward, where=outward < 0)))
+            more.append(dt * float(np.sum(outward, where=outward > 0)))
+        else:
+            more.append(flux)
+    before: Any = account
+    crossed = zip(before, grid.halo.sum(*more), strict=True)
+    return type(account)(*(one + other for one, other in crossed))
 
 
 def zero_state(grid: Grid) -> State:

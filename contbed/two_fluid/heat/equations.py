@@ -53,13 +53,7 @@ from contbed.two_fluid.heat.walls import FromWalls, after_step, from_walls, memo
 from contbed.two_fluid.linear.cg import EXPLICIT_SHARE
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.operators import gradient, predictor_half_step
-from contbed.two_fluid.state import (
-    Energy,
-    HeatAccount,
-    State,
-    check_finite,
-    in_and_out,
-)
+from contbed.two_fluid.state import Energy, State, booked, check_finite, fastest_gas
 from contbed.two_fluid.timing import phase
 
 
@@ -187,11 +181,7 @@ def advance(
     usual density [m3/s].
     """
     halo = model.grid.halo
-    crossed = (
-        dt
-        * halo.max(float(np.max(state.fluxes.outflow_gas[halo.cells], initial=0.0)))
-        / model.options.courant
-    )
+    crossed = dt * fastest_gas(state, halo) / model.options.courant
     count = max(1, int(np.ceil(crossed * (1.0 - ROUNDING))))
     filling = (moved.eps_s - state.eps_s) / count
     gas, gained, still_open = (
@@ -274,13 +264,11 @@ def _sub_cycle(
         )[:, None],
         rho_ratio=_density_ratio(mass, s, heat, model),
         p0=p0,
-        account=_book(
+        account=booked(
             energy.account,
             dt,
-            gas,
-            heat_flux,
-            given + conduction.taken - lost,
-            model,
+            (heat_flux, given + conduction.taken - lost, gas),
+            model.grid,
         ),
     )
     if heat.has_walls:
@@ -507,20 +495,3 @@ def _check_temperatures(state: State, energy: Energy, model: Model) -> None:
     if message := halo.first(message):
         check_finite(replace(state, energy=energy), model.grid)
         raise ConvergenceError(message)
-
-
-def _book(
-    account: HeatAccount, dt: float, gas: Array, heat: Array, walls: float, model: Model
-) -> HeatAccount:
-    """Add what crossed the boundary in this step with the phases, and the heat [J]
-    that came through walls.
-    """
-    halo = model.grid.halo
-    gas, heat = (
-        gas[model.grid.interior :][halo.edges],
-        heat[model.grid.interior :][halo.edges],
-    )
-    crossed = halo.sum(*in_and_out(dt, heat), walls, *in_and_out(dt, gas))
-    return HeatAccount(
-        *(before + more for before, more in zip(account, crossed, strict=True))
-    )
