@@ -8,7 +8,7 @@ which checkpoints hold and a failed interval goes back to.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -154,62 +154,6 @@ class Particle(NamedTuple):
     user: int
     position: Array
     velocity: Array
-
-
-class Engine(Protocol):
-    """What computes the steps of a simulation, in an order of memory of its own:
-    `Memory` on this machine's cores.
-    """
-
-    longest: int
-
-    def start(self) -> None:
-        """Begin with the order of the user and an empty list."""
-
-    def grow(self) -> None:
-        """Make room for what the last list needed, with a margin. What was held is
-        lost.
-        """
-
-    def load(
-        self, position: Array, velocity: Array, spin: Array, pushed: Array | None
-    ) -> None:
-        """Take positions [m], velocities [m/s], spins [rad/s] and external
-        forces [N] in the user's order.
-        """
-
-    def load_heat(self, T: Array, source: Array, capacity: Array) -> None:
-        """Take temperatures [K], heat sources [W] and heat capacities [J/K] in the
-        user's order.
-        """
-
-    def store(self, position: Array, velocity: Array, spin: Array, T: Array) -> None:
-        """Give positions, velocities, spins and temperatures in the user's order."""
-
-    def make_list(self) -> loop.Outcome:
-        """Sort the particles and list pairs and near walls for their present
-        positions.
-        """
-
-    def take_steps(self, interval: Interval) -> loop.Outcome:
-        """Take steps up to the end of an interval, or until the list is too old."""
-
-    def particle(self, place: int) -> Particle:
-        """Return what is at a place of memory."""
-
-    def keep(self) -> Any:
-        """Return what `back_to` goes back to."""
-
-    def back_to(self, kept: Any) -> None:
-        """Go back to a state of `keep`; positions, velocities and temperatures are
-        those of `load`.
-        """
-
-    def read(self) -> Record:
-        """Return what a step depends on, as copies."""
-
-    def write(self, record: Record) -> None:
-        """Take up a state of `read`."""
 
 
 class Memory:

@@ -17,7 +17,6 @@ from contbed.dem.plan import ParticlePlan, settled
 from contbed.dem.results import fill
 from contbed.dem.scene import ParticleScene
 from contbed.dem.surface import Surface
-from contbed.errors import SceneError
 from contbed.result import Result
 
 # relative reach of contacts beyond touching, for the rounding of a lattice's
@@ -73,12 +72,6 @@ def _pairs(plan: ParticlePlan) -> heat.Pairs:
     """
     table = plan.scene.particles
     if table.paths in heat.VORONOI:
-        if np.ptp(plan.radius) > 0:
-            where = plan.scene.origin.at(("particles", "paths")) + ": particles.paths"
-            raise SceneError(
-                f"{where}: {table.paths} is for equal particles without "
-                "[radiation]; use cones"
-            )
         return heat.voronoi_pairs(plan.x, plan.box, plan.periodic)
     reach = 2.0 * float(plan.radius.max())
     reach *= (

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,13 +26,16 @@ from contbed.dem.kernel_arrays import (
     Laws,
     Spheres,
 )
-from contbed.dem.memory import Engine, Memory, Record, halved, require_indices
+from contbed.dem.memory import Memory, Record, halved, require_indices
 from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, image_shifts, wall_gaps
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.walls import SKIN, Domain, Wall, wall_table
 from contbed.errors import ConvergenceError, SceneError
 from contbed.output.checkpoint import require_form
 from contbed.output.progress import Progress
+
+if TYPE_CHECKING:
+    from contbed.dem.gpu.memory import GpuMemory
 
 LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start
 _STATE = ("position", "velocity", "spin", "force", "T")
@@ -156,9 +159,7 @@ class Simulation:
                 image_shifts(self._box),
             )
         spheres = Spheres(self.radius, self.mass, self.inertia, self.kind, self._equal)
-        self._memory: Engine = _engine(engine)(
-            spheres, self._laws, self._box, self.skin
-        )
+        self._memory = _engine(engine)(spheres, self._laws, self._box, self.skin)
         self._moved, self._stale = 0.0, True
         self._require_inside()
         with deferred_interrupt():
@@ -322,7 +323,7 @@ class Simulation:
         half of it, if that is allowed.
         """
         with deferred_interrupt():
-            before = self._memory.keep()
+            before: Any = self._memory.keep()
             now = (self._moved, self._stale, self.steps_done)
             start = {
                 name: getattr(self, name).copy()
@@ -473,9 +474,7 @@ class Simulation:
             )
 
 
-def _engine(
-    name: Literal["contbed", "cuda"],
-) -> Callable[[Spheres, Laws, Box, float], Engine]:
+def _engine(name: Literal["contbed", "cuda"]) -> type[Memory | GpuMemory]:
     """Return what makes an engine; that of GPUs is loaded only where it is asked
     for.
     """

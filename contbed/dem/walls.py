@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -40,49 +41,33 @@ class Plane:
 
 
 @dataclass(frozen=True)
-class Cylinder:
-    """Round wall around the bed: a point of its axis [m], direction of the axis,
-    radius [m].
-    """
+class _Round:
+    """A point of the axis [m], direction of the axis, radius [m]."""
 
     point: Vector
     axis: Vector
     radius: float
     material: int = 0
+    side: ClassVar[float]  # of the axis that the bed is on: 1 inside, -1 outside
 
     def row(self) -> tuple[float, ...]:
         """Return the wall as a row of `kernel_arrays.WALL`."""
-        axis = _unit(self.axis, "cylinder: axis")
-        return (
-            1.0,
-            *self.point,
-            *axis,
-            _positive(self.radius, "cylinder: radius"),
-            self.material,
-        )
+        name = type(self).__name__.lower()
+        axis = _unit(self.axis, f"{name}: axis")
+        radius = _positive(self.radius, f"{name}: radius")
+        return (self.side, *self.point, *axis, radius, self.material)
 
 
-@dataclass(frozen=True)
-class Tube:
-    """Round tube in the bed, as long as the bed is wide: a point of its axis [m],
-    direction of the axis, radius [m].
-    """
+class Cylinder(_Round):
+    """Round wall around the bed."""
 
-    point: Vector
-    axis: Vector
-    radius: float
-    material: int = 0
+    side = 1.0
 
-    def row(self) -> tuple[float, ...]:
-        """Return the wall as a row of `kernel_arrays.WALL`."""
-        axis = _unit(self.axis, "tube: axis")
-        return (
-            -1.0,
-            *self.point,
-            *axis,
-            _positive(self.radius, "tube: radius"),
-            self.material,
-        )
+
+class Tube(_Round):
+    """Round tube in the bed, as long as the bed is wide."""
+
+    side = -1.0
 
 
 Wall = Plane | Cylinder | Tube

@@ -19,9 +19,6 @@ from contbed.dem.gpu.arrays import (
     CULPRIT,
     NEEDED,
     RADIUS,
-    TEMPERATURE,
-    VX,
-    WX,
     Bodies,
     Cells,
     DeviceArray,
@@ -311,75 +308,22 @@ def find_moved(row: DeviceArray, listed: DeviceArray, moved2: DeviceArray) -> No
 
 
 @cuda.jit
-def load(
-    row: DeviceArray,
-    user: DeviceArray,
-    position: DeviceArray,
-    velocity: DeviceArray,
-    spin: DeviceArray,
-) -> None:
-    """Copy positions [m], velocities [m/s] and spins [rad/s] from the user's order."""
-    i = cuda.grid(1)
-    if i >= row.shape[0]:
-        return
-    k = user[i]
-    for a in range(3):
-        row[i, X + a] = position[k, a]
-        row[i, VX + a] = velocity[k, a]
-        row[i, WX + a] = spin[k, a]
-
-
-@cuda.jit
-def load_pushed(user: DeviceArray, pushed: DeviceArray, given: DeviceArray) -> None:
-    """Copy external forces [N] from the user's order."""
-    i = cuda.grid(1)
-    if i < user.shape[0]:
-        for a in range(3):
-            pushed[i, a] = given[user[i], a]
-
-
-@cuda.jit
-def store(
-    row: DeviceArray,
-    user: DeviceArray,
-    position: DeviceArray,
-    velocity: DeviceArray,
-    spin: DeviceArray,
-) -> None:
-    """Copy positions, velocities and spins to the user's order."""
-    i = cuda.grid(1)
-    if i >= row.shape[0]:
-        return
-    k = user[i]
-    for a in range(3):
-        position[k, a] = row[i, X + a]
-        velocity[k, a] = row[i, VX + a]
-        spin[k, a] = row[i, WX + a]
-
-
-@cuda.jit
-def load_heat(
-    row: DeviceArray,
-    bodies: Bodies,
-    T: DeviceArray,
-    source: DeviceArray,
-    capacity: DeviceArray,
-) -> None:
-    """Copy temperatures [K], heat sources [W] and heat capacities [J/K] from the
-    user's order.
+def load(to: DeviceArray, first: int, user: DeviceArray, given: DeviceArray) -> None:
+    """Copy vectors, shape (n, columns), from the user's order to columns from `first`
+    on.
     """
     i = cuda.grid(1)
-    if i >= row.shape[0]:
+    if i >= user.shape[0]:
         return
-    k = bodies.user[i]
-    row[i, TEMPERATURE] = T[k]
-    bodies.heat[i, 0] = source[k]
-    bodies.heat[i, 1] = 1.0 / capacity[k]
+    for a in range(given.shape[1]):
+        to[i, first + a] = given[user[i], a]
 
 
 @cuda.jit
-def store_heat(row: DeviceArray, user: DeviceArray, T: DeviceArray) -> None:
-    """Copy temperatures to the user's order."""
+def store(row: DeviceArray, first: int, user: DeviceArray, wanted: DeviceArray) -> None:
+    """Copy columns from `first` on to vectors in the user's order."""
     i = cuda.grid(1)
-    if i < row.shape[0]:
-        T[user[i]] = row[i, TEMPERATURE]
+    if i >= user.shape[0]:
+        return
+    for a in range(wanted.shape[1]):
+        wanted[user[i], a] = row[i, first + a]

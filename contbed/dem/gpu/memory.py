@@ -20,7 +20,9 @@ from contbed.dem.gpu.arrays import (
     NEEDED,
     NEVER,
     RADIUS,
+    TEMPERATURE,
     VX,
+    WX,
     Around,
     Bodies,
     Cells,
@@ -97,10 +99,7 @@ class GpuMemory:
             walls[: len(laws.walls)],
         )
         self._sides = tuple(cuda.to_device(np.ascontiguousarray(part)) for part in box)
-        self._vectors = tuple(cuda.device_array((n, 3)) for _ in range(3))
-        self._scalars = tuple(
-            cuda.device_array(n) for _ in range(3 if self._is_warm else 0)
-        )
+        self._columns = {count: cuda.device_array((n, count)) for count in (1, 3)}
         self._rows = [
             cuda.to_device(np.zeros((n, 12))),
             cuda.to_device(np.zeros((n, 12))),
@@ -142,37 +141,39 @@ class GpuMemory:
         """Take positions [m], velocities [m/s], spins [rad/s] and external
         forces [N] in the user's order.
         """
-        bodies = self._bodies[0]
-        _upload(self._vectors, (position, velocity, spin))
-        list_kernels.load[self._blocks, THREADS](
-            self._rows[0], bodies.user, *self._vectors
-        )
+        row, bodies = self._rows[0], self._bodies[0]
+        self._load(row, X, position)
+        self._load(row, VX, velocity)
+        self._load(row, WX, spin)
         if pushed is not None:
-            _upload(self._vectors[:1], (pushed,))
-            list_kernels.load_pushed[self._blocks, THREADS](
-                bodies.user, bodies.pushed, self._vectors[0]
-            )
+            self._load(bodies.pushed, 0, pushed)
 
     def load_heat(self, T: Array, source: Array, capacity: Array) -> None:
         """Take temperatures [K], heat sources [W] and heat capacities [J/K] in the
         user's order.
         """
-        _upload(self._scalars, (T, source, capacity))
-        list_kernels.load_heat[self._blocks, THREADS](
-            self._rows[0], self._bodies[0], *self._scalars
-        )
+        heat = self._bodies[0].heat
+        self._load(self._rows[0], TEMPERATURE, T[:, None])
+        self._load(heat, 0, source[:, None])
+        self._load(heat, 1, 1.0 / capacity[:, None])
+
+    def _load(self, to: Any, first: int, given: Array) -> None:
+        """Copy from the user's order to columns of an array of the GPU."""
+        columns = self._columns[given.shape[1]]
+        columns.copy_to_device(np.ascontiguousarray(given, np.float64))
+        user = self._bodies[0].user
+        list_kernels.load[self._blocks, THREADS](to, first, user, columns)
 
     def store(self, position: Array, velocity: Array, spin: Array, T: Array) -> None:
         """Give positions, velocities, spins and temperatures in the user's order."""
-        row, user = self._rows[0], self._bodies[0].user
-        list_kernels.store[self._blocks, THREADS](row, user, *self._vectors)
-        for array, wanted in zip(
-            self._vectors, (position, velocity, spin), strict=True
-        ):
-            array.copy_to_host(wanted)
+        wanted = [(X, position), (VX, velocity), (WX, spin)]
         if self._is_warm:
-            list_kernels.store_heat[self._blocks, THREADS](row, user, self._scalars[0])
-            self._scalars[0].copy_to_host(T)
+            wanted.append((TEMPERATURE, T[:, None]))
+        row, user = self._rows[0], self._bodies[0].user
+        for first, values in wanted:
+            columns = self._columns[values.shape[1]]
+            list_kernels.store[self._blocks, THREADS](row, first, user, columns)
+            columns.copy_to_host(values)
 
     def make_list(self) -> loop.Outcome:
         """Sort the particles and list pairs for their present positions."""
@@ -465,7 +466,7 @@ def _require_memory(n: int, walls: int) -> None:
     neighbours three times among them.
     """
     each = (
-        8 * (2 * 12 + 2 * 11 + 6 + 9 + 3)
+        8 * (2 * 12 + 2 * 11 + 6 + 3 + 1)
         + 4 * (6 + MOST_CELLS)
         + 3 * (28 + 44 * ROOM + 40 * max(walls, 1))
     )
@@ -485,12 +486,6 @@ def _blocks(threads: int) -> int:
 def _like(array: Any) -> Any:
     """Make an array of the shape and type of another one."""
     return cuda.device_array(array.shape, array.dtype)
-
-
-def _upload(arrays: tuple[Any, ...], given: tuple[Array, ...]) -> None:
-    """Copy arrays of the host to the GPU."""
-    for array, values in zip(arrays, given, strict=True):
-        array.copy_to_device(np.ascontiguousarray(values, np.float64))
 
 
 def _opposite(image: NDArray[np.uint32]) -> NDArray[np.uint32]:
