@@ -21,12 +21,20 @@ cuda.jit = lambda *arguments, max_registers=0, **options: with_registers(
 )
 
 from contbed.dem import gpu, simulation  # noqa: E402
+from contbed.dem.contact_heat import ContactHeat  # noqa: E402
 from contbed.dem.gpu import memory  # noqa: E402
 from contbed.errors import ConvergenceError, EngineError  # noqa: E402
 from tests.dem import gpu_scenes  # noqa: E402
 
-tabulate = simulation.wall_table
-simulation.wall_table = lambda walls: tabulate(walls).view(np.recarray)
+
+def with_columns(tabulate):
+    """Let the columns of tables be attributes."""
+    return lambda *given: tabulate(*given).view(np.recarray)
+
+
+simulation.wall_table = with_columns(simulation.wall_table)
+simulation.pair_table = with_columns(simulation.pair_table)
+ContactHeat.table = with_columns(ContactHeat.table)
 memory.THREADS, memory.resident_blocks, gpu.require_gpu = 3, lambda: 1, lambda: None
 
 

@@ -153,9 +153,9 @@ class GpuMemory:
         user's order.
         """
         heat = self._bodies[0].heat
-        self._load(self._rows[0], TEMPERATURE, T[:, None])
-        self._load(heat, 0, source[:, None])
-        self._load(heat, 1, 1.0 / capacity[:, None])
+        self._load(self._rows[0], TEMPERATURE, T.reshape(-1, 1))
+        self._load(heat, 0, source.reshape(-1, 1))
+        self._load(heat, 1, (1.0 / capacity).reshape(-1, 1))
 
     def _load(self, to: Any, first: int, given: Array) -> None:
         """Copy from the user's order to columns of an array of the GPU."""
@@ -168,7 +168,7 @@ class GpuMemory:
         """Give positions, velocities, spins and temperatures in the user's order."""
         wanted = [(X, position), (VX, velocity), (WX, spin)]
         if self._is_warm:
-            wanted.append((TEMPERATURE, T[:, None]))
+            wanted.append((TEMPERATURE, T.reshape(-1, 1)))
         row, user = self._rows[0], self._bodies[0].user
         for first, values in wanted:
             columns = self._columns[values.shape[1]]
