@@ -10,6 +10,7 @@ from contbed.chemistry.kinetics import reactions_of
 from contbed.chemistry.species import Species
 from contbed.loading import from_dict
 from contbed.scene.reactions import Reaction
+from tests.scene_text import scene_of
 
 COAL = {
     "moisture": 0.08,
@@ -90,17 +91,37 @@ def combustor(stone=False, **changes):
 
 def tube(composition, reactions, **changes):
     """Gas alone through a bed without bubbles that its walls hold at 1200 K."""
-    found = {
-        "bubbling_bed": {
-            "height": 0.5, "section": 0.1, "solids_fraction": 0.55,
-            "walls": {"perimeter": 1.0, "coefficient": 1e6, "temperature": 1200.0},
-        },
-        "gas": {"composition": composition},
-        "boundary": {"bottom": {"gas": {"mass_flow": 0.02, "temperature": 1200.0}}},
-        "solids": {"inert": particles(1.0, 2e-3, 2600.0, gas_coefficient=1e4)},
-        "reactions": reactions, "mesh": {"cells": 20}, "solver": {"degree": 3}, "initial": {"temperature": 1200.0},
-        "output": {"plots": False, "fields": False},
-    }  # fmt: skip
+    found = scene_of(f"""
+        [bubbling_bed]
+        height = 0.5
+        section = 0.1
+        solids_fraction = 0.55
+        walls.perimeter = 1.0
+        walls.coefficient = 1e6
+        walls.temperature = 1200.0
+
+        [gas]
+        composition = {composition!r}
+
+        [boundary.bottom.gas]
+        mass_flow = 0.02
+        temperature = 1200.0
+
+        [solids]
+
+        [mesh]
+        cells = 20
+
+        [solver]
+        degree = 3
+
+        [initial]
+        temperature = 1200.0
+
+        [output]
+        plots = false
+        fields = false
+    """, {"reactions": reactions, "solids.inert": particles(1.0, 2e-3, 2600.0, gas_coefficient=1e4)})  # fmt: skip
     return from_dict(changed(found, changes))
 
 

@@ -17,6 +17,7 @@ from contbed.solvers.linear import Policy
 from contbed.solvers.newton import Options, newton
 from studies._exact.manufactured import Manufactured, observed_order
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import set_keys
 
@@ -189,25 +190,9 @@ def test_conductivity_of_the_emulsion_and_nusselt_from_files(tmp_path):
     )
 
 
-BAD = {
-    "mole fractions sum to 0.9, not to 1": {"gas__composition": "N2:0.69, O2:0.21"},
-    "no species 'N3'": {"gas__composition": "N3:1.0"},
-    "is above the highest temperature of the gas properties in gri30.yaml, 3000 K": {"inlet__temperature": 3500.0},
-    "'bubble_growth_mory_wen'; nearest: bubble_growth_mori_wen": {"bubbles__size": "mory_wen"},
-    "missing; boundary.bottom.gas.mass_flow needs it": {"solids__char__density": None},
-    "follows from the closures; leave it out": {"bubbles__capacity_flow": 3.0},
-    "give mass_flow, not capacity_flow": {"solids__char__feed": {
-        "capacity_flow": 1.0, "temperature": 300.0, "height": 0.1, "width": 0.1}},
-    "needs area": {"bubbles__start": "darton"},
-    "gas.composition: missing": {"gas__composition": None},
-    "gas: this table is missing; its composition gives": {"gas": None},
-    "give nusselt, gas_coefficient, or closures.nusselt": {"solids__char__nusselt": None},
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("text", BAD)
-def test_bad_scenes_are_explained(text):
-    refused(text, lambda: hot(**BAD[text]))
+@each_case(__file__, "bad_scenes")
+def test_bad_scenes_are_explained(said, changes, without):
+    refused(said, lambda: hot(**changes, **dict.fromkeys(without)))
 
 
 def test_gas_below_minimum_fluidization_is_refused():

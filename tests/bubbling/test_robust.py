@@ -4,9 +4,11 @@ balance, and says what it did.
 
 import numpy as np
 import pytest
-from bubbling_scenes import case1, solids, solved, values
+from bubbling_scenes import case1, changed, solids, solved, values
 
 from contbed.errors import SceneError
+from contbed.loading import from_dict
+from tests.cases import each_case
 from tests.refusals import refusal, refused
 
 GUESSES = (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)
@@ -159,26 +161,11 @@ def test_hopeless_newton_is_marched_to_its_state():
     assert 5000 < result.qoi["T_char_mid_K"] < 7000
 
 
-BAD = {
-    "sum to 0.9": {"solids": solids(inert={"volume_share": 0.7})},
-    "did you mean 'inert'": {"solids": solids(limestone={"exchange": {"inrt": 1.0}})},
-    "give it once": {"solids": solids(inert={"exchange": {"limestone": 1.0}})},
-    "above the bed": {"bubbling_bed": {"height": 0.1, "section": 1.0, "solids_fraction": 0.5}},
-    "no bubbles to carry it": {"bubbles": {"fraction": 0.0, "capacity_flow": 1.0, "exchange": 1.0}},
-    "radiation needs it": {"solids": solids(char={"emissivity": None})},
-    "nothing exchanges heat": {"distributor": {"coefficient": 0.0, "preheat_NTU": 0.0}},
-    "there are no particles of this solid phase": {"solids": solids(char={"volume_share": 0.0},
-                                                         inert={"volume_share": 0.82})},
-    "belong together": {"release": {"rate": 1.0, "activation": 100.0}},
-    "unknown choice; allowed: none, pairwise, paper, two_flux, p1": {"radiation": {"level": "p3"}},
-    "bubbling_bed.solids_fraction": {"bubbling_bed": {"height": 1.0, "section": 1.0, "solids_fraction": 1.0}},
-    "outside of the bed": {"output": {"positions": [0.7]}},
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("text", BAD)
-def test_bad_scenes_are_explained(text):
-    refused(text, lambda: case1(**BAD[text]))
+@each_case(__file__, "bad_scenes")
+def test_bad_scenes_are_explained(said, changes, without):
+    keys = changes | dict.fromkeys(without)
+    paths = {tuple(key.split(".")): value for key, value in keys.items()}
+    refused(said, lambda: from_dict(changed(values(), paths)))
 
 
 def test_all_mistakes_at_once_with_their_lines():

@@ -29,6 +29,7 @@ from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.materials.constant import ConstantFluid
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.restarts import interrupt, same_run
 
 STUDY = Path(__file__).parents[2] / "studies/closure_transfer"
@@ -261,10 +262,6 @@ def test_a_dump_of_another_program_gives_the_same(folder):
         assert dumped[name] == pytest.approx(plain[name], rel=1e-9)
 
 
-JET = (
-    "[boundary.jet]\nstart = {}\nend = {}\ngas.mass_flux = 1.0\ngas.temperature = "
-    "{}\n[time]"
-)
 STIRRED = """
 particles = { count = 200, width = ["12 mm", "12 mm"], height = "60 mm", modulus = "1 MPa", seed = 3 }
 solids.glass = { diameter = "2 mm", density = 2500, conductivity = 0.84, youngs_modulus = "50 GPa", restitution = 0.5 }
@@ -290,57 +287,7 @@ def test_an_interrupted_scene_continues_bit_for_bit(tmp_path):
     same_run(cb.run(scene, restart=tmp_path), whole)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "wanted"),
-    [
-        ('file = "bed.csv"', 'file = "none.csv"', "scene.toml:3: particles.file"),
-        ('file = "bed.csv"', "", "particles: give either count"),
-        (
-            'diameter = "2 mm"\n',
-            "",
-            "solids.glass.diameter: missing; bed.csv has no radii",
-        ),
-        ("[closures]", '[closures]\ndrag = "ergon"', "unknown drag closure"),
-        (
-            "[time]",
-            JET.format(0.01, 0.5, 300.0),
-            "boundary.jet: start to end is not a piece",
-        ),
-        ("[time]", JET.format(0.0, 0.01, 500.0), "boundary.jet.gas.temperature"),
-        (
-            "density",
-            "poisson_ratio = -0.99\ndensity",
-            "solids.glass.poisson_ratio = -0.99: out of range",
-        ),
-        (
-            "cell = [2.997, 2.997]",
-            "cell = [2.997, 20.0]",
-            "particles.cell[1] = 20.0: cells of 0.04 m leave 1 in the height",
-        ),
-        (
-            "end = 0.1",
-            "end = 0.1\naverage_from = 0.2",
-            "scene.toml:30: time.average_from",
-        ),
-        (
-            "fixed = true",
-            "closure.velocities = [0.1, 0.2, 0.3, 0.4]",
-            "a Nusselt number is fitted to a bed at rest",
-        ),
-        ("conductivity = 0.026", "", "gas.conductivity: missing"),
-        ("height = 0.029970", "height = 0.02", "particles.height: centres from"),
-        (
-            "velocity = 0.5",
-            "velocity = -0.5",
-            "boundary.bottom.gas.velocity = -0.5: out of range",
-        ),
-        (
-            "width = [0.017982, 0.017982]",
-            "width = [0.01, 0.01]",
-            "scene.toml:4: particles.width: centres from",
-        ),
-    ],
-)
+@each_case(__file__, "mistakes_are_named_with_their_line")
 def test_mistakes_are_named_with_their_line(folder, old, new, wanted):
     with pytest.raises(SceneError) as error:
         cb.run(loads(SCENE.replace(old, new, 1), "scene.toml", base=folder))

@@ -14,6 +14,7 @@ from contbed import closures
 from contbed.closures.binding import bind
 from contbed.closures.compiled import face, kernel, own_values
 from contbed.scene.tables import Closure
+from tests.cases import each_case
 from tests.refusals import refused
 
 DRAG = ("Re", "eps", "d_p", "mu")
@@ -106,56 +107,12 @@ def test_what_cannot_be_given_is_listed():
     )
 
 
-@pytest.mark.parametrize(
-    ("kind", "spec", "message"),
-    [
-        (
-            "nusselt",
-            Closure(name="power", a=-1.0, b=0.5),
-            r"'a' of closure 'power' is in \[0, inf\), found -1.0",
-        ),
-        (
-            "nusselt",
-            Closure(name="gunn", exponent_Pr=-0.3),
-            r"'exponent_Pr' of closure 'gunn' is in \[0, inf\)",
-        ),
-        (
-            "conductivity",
-            Closure(name="zehner_bauer_schluender", emissivity=0.0),
-            r"'emissivity' .* is in \(0, 1\]",
-        ),
-        (
-            "conductivity",
-            Closure(name="zehner_bauer_schluender", emissivity=1.5),
-            r"'emissivity' .* is in \(0, 1\]",
-        ),
-        (
-            "nusselt",
-            Closure(name="gunn", eps=1.5),
-            r"'eps' of closure 'gunn' is in \(0, 1\]",
-        ),
-        (
-            "nusselt",
-            Closure(name="gunn", Pr=-0.7),
-            r"'Pr' of closure 'gunn' is in \(0, inf\)",
-        ),
-        (
-            "nusselt",
-            Closure(name="power", a=1e155, b=0.5),
-            r"'a' of closure 'power': 1e\+155 is no size",
-        ),
-        (
-            "bubble_start",
-            Closure(name="darton", area=-1.0),
-            r"'area' of closure 'darton' is in \(0, inf\)",
-        ),
-    ],
-)
-def test_parameters_have_bounds(kind, spec, message):
+@each_case(__file__, "parameters_have_bounds")
+def test_parameters_have_bounds(kind, closure, message):
     refused(
         message,
         bind,
-        spec,
+        Closure(**closure),
         kind,
         ("Re", "Pr", "eps", "k_fluid", "k_solid", "T", "d_p", "u_excess"),
     )

@@ -18,6 +18,7 @@ from contbed.closures import radiation_emissivity_half_space as emissivity_half_
 from contbed.closures.optics import Species, optical_coefficients
 from contbed.closures.sizes import SizeDistribution
 from contbed.fem.ad.dual import Dual
+from tests.cases import each_case
 from tests.refusals import problems_of, refused
 
 ROUND_OFF = 1e-14
@@ -255,76 +256,17 @@ def test_dual_numbers_give_the_slope_to_a_volume_fraction():
 # --- refused input ---
 
 
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (
-            lambda: Species("char", 0.1, 1e-3, -0.2),
-            r"^char: emissivity = -0.2 must be above 0 and at most 1$",
-        ),
-        (
-            lambda: Species("char", 0.1, 1e-3, 1.2),
-            r"^char: emissivity = 1.2 must be above 0 and at most 1$",
-        ),
-        (
-            lambda: Species("char", 0.1, 1e-3, float("nan")),
-            r"^char: emissivity = nan must be above 0 and at most 1$",
-        ),
-        (
-            lambda: Species("char", 0.1, 0.0, 0.8),
-            r"^char: size = 0.0 must be above 0 and finite \[m\]$",
-        ),
-        (
-            lambda: Species("char", -0.1, 1e-3, 0.8),
-            r"^char: volume_fraction = -0.1 must be within 0 and 1",
-        ),
-        (
-            lambda: SizeDistribution((1e-3, 0.0), (0.5, 0.5)),
-            r"^diameter = 0 must be above 0 and finite \[m\]$",
-        ),
-        (
-            lambda: SizeDistribution((1e-3, 2e-3), (0.5, 0.4)),
-            r"^mass fractions sum to 0.9, must sum to 1 ",
-        ),
-        (
-            lambda: SizeDistribution((1e-3, 2e-3), (1.5, -0.5)),
-            r"^mass fraction = 1.5 must be within 0 and 1\nmass fr",
-        ),
-        (
-            lambda: SizeDistribution((1e-3,), (0.5, 0.5)),
-            r"^sizes: 1 diameters but 2 mass fractions$",
-        ),
-        (
-            lambda: SizeDistribution((), ()),
-            r"^sizes: 0 diameters but 0 mass fractions$",
-        ),
-        (
-            lambda: SizeDistribution.from_sieves([1e-3, 5e-4], [1.0]),
-            r"^sieves: apertures must increase, got 0.001, 0.",
-        ),
-        (
-            lambda: SizeDistribution.from_sieves([1e-3], [1.0]),
-            r"^sieves: 1 classes lie between 2 apertures, got 1$",
-        ),
-        (lambda: optics.optics([]), r"^radiation needs at least one solid species$"),
-        (
-            lambda: optics.optics([Species("a", 0.6, 1e-3, 0.8)] * 2),
-            r"^volume fractions of all species sum to 1.2",
-        ),
-        (
-            lambda: optics.optics([Species("a", 0.0, 1e-3, 0.8)]),
-            r"^volume fractions of all species sum to 0, must",
-        ),
-        (
-            lambda: bed("loose"),
-            r"^packing = 'loose' must be one of: close_packed, independent$",
-        ),
-        (lambda: bed(anisotropy=-1.5), r"^anisotropy = -1.5 must be within -1 and 1$"),
-        (lambda: bed().diffusion("p3"), r"^level = 'p3' must be one of: p1, two_flux$"),
-    ],
-)
-def test_bad_input_is_named(make, message):
-    refused(message, make)
+@each_case(__file__, "bad_input")
+def test_bad_input_is_named(make, arguments, message):
+    makers = {
+        "Species": Species,
+        "SizeDistribution": SizeDistribution,
+        "from_sieves": SizeDistribution.from_sieves,
+        "optics": lambda species: optics.optics([Species(*each) for each in species]),
+        "bed": bed,
+        "diffusion": lambda level: bed().diffusion(level),
+    }
+    refused(message, makers[make], *arguments)
 
 
 def test_all_mistakes_of_a_species_are_told_at_once():

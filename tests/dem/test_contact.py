@@ -22,6 +22,7 @@ from contbed.dem.contact import (
 from contbed.dem.particles import Material, Particles, damping_ratio, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Plane
+from tests.cases import each_case
 from tests.refusals import refused
 
 RADIUS, SPEED = 1e-3, 0.1
@@ -271,16 +272,6 @@ def test_time_step_too_large_names_the_safe_one():
     )
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"youngs_modulus": 0.0}, "youngs_modulus = 0 must be positive"),
-        ({"density": -1.0}, "density = -1 must be positive"),
-        ({"poisson_ratio": 0.6}, "poisson_ratio = 0.6 must lie"),
-        ({"restitution": 0.0}, "restitution = 0 must lie"),
-        ({"sliding_friction": -0.1}, "sliding_friction = -0.1 must be"),
-        ({"rolling_friction": float("nan")}, "rolling_friction = nan must be"),
-    ],
-)
+@each_case(__file__, "bad_material")
 def test_bad_material(change, message):
     refused(message, Material, **change)

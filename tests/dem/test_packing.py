@@ -17,6 +17,7 @@ from contbed.dem.simulation import Simulation
 from contbed.dem.statistics import solid_share
 from contbed.dem.walls import Domain, Plane, Tube
 from contbed.errors import ConvergenceError
+from tests.cases import each_case
 from tests.refusals import refused
 
 D = 2e-3
@@ -111,35 +112,7 @@ def test_solid_share_of_one_sphere():
     assert corner == pytest.approx(np.pi / 12, rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"count": 10}, "give either width or cylinder"),
-        (
-            {"width": (D, D), "cylinder": D, "count": 10},
-            "give either width or cylinder",
-        ),
-        ({"width": (9 * D, 9 * D)}, "give either count or height"),
-        (
-            {"width": (9 * D, 9 * D), "count": 1, "height": 1.0},
-            "give either count or height",
-        ),
-        ({"width": (9 * D, 9 * D), "count": 0}, "0 spheres"),
-        (
-            {"width": (0.5 * D, D), "count": 10},
-            "spheres of 0.002 m do not fit into a bed 0.001 m wide",
-        ),
-        ({"width": (9 * D, 9 * D), "radius": [1e-3, 0.0]}, "radii must be positive"),
-        (
-            {"cylinder": 5 * D, "periodic": (True, False), "count": 9},
-            "a cylinder has no periodic sides",
-        ),
-        (
-            {"width": (2 * D, 9 * D), "periodic": (True, False), "count": 9},
-            "periodic length 0.004 m in x",
-        ),
-    ],
-)
+@each_case(__file__, "bad_packings")
 def test_bad_packings(arguments, message):
     refused(message, pack, **arguments)
 

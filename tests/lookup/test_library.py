@@ -43,33 +43,6 @@ solids.beads.temperature = 800
 """
 )
 
-# temperatures [K], then the property there as printed in the source
-PRINTED = {
-    ("alumina", "heat_capacity"): (
-        [293.15, 773.15, 1273.15, 1473.15, 1673.15],
-        [755, 1165, 1255, 1285, 1315],
-    ),
-    ("alumina", "conductivity"): (
-        [293.15, 773.15, 1273.15, 1473.15, 1673.15],
-        [33.0, 11.4, 7.22, 6.67, 6.34],
-    ),
-    ("steel", "heat_capacity"): (
-        [300, 400, 600, 800, 1000, 1200, 1500],
-        [477, 515, 557, 582, 611, 640, 682],
-    ),
-    ("steel", "conductivity"): (
-        [300, 400, 600, 800, 1000, 1200, 1500],
-        [14.9, 16.6, 19.8, 22.6, 25.4, 28.0, 31.7],
-    ),
-    ("silica", "heat_capacity"): (
-        [300, 400, 600, 800, 1000, 1200],
-        [745, 905, 1040, 1105, 1155, 1195],
-    ),
-    ("silica", "conductivity"): (
-        [300, 400, 600, 800, 1000, 1200],
-        [1.38, 1.51, 1.75, 2.17, 2.87, 4.00],
-    ),
-}
 
 # the equations of Waples and Waples and of Miao et al., those of the Eurocode in degC
 CELSIUS = {
@@ -97,12 +70,11 @@ def test_rocks_and_concrete_follow_their_equations(key):
         )
 
 
-@pytest.mark.parametrize("key", PRINTED)
-def test_printed_values(key):
-    name, quantity = key
-    for T, value in zip(*PRINTED[key], strict=True):
-        assert MATERIALS[name].at(T)[quantity] == pytest.approx(
-            value, rel=MATERIALS[name].error
+@each_case(__file__, "printed_values")
+def test_printed_values(material, quantity, T, values):
+    for at, value in zip(T, values, strict=True):
+        assert MATERIALS[material].at(at)[quantity] == pytest.approx(
+            value, rel=MATERIALS[material].error
         )
 
 

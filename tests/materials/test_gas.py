@@ -14,6 +14,7 @@ from contbed.loading import from_dict
 from contbed.materials import gas_mixture
 from tests.cases import each_case
 from tests.refusals import problems_of, refused
+from tests.scene_text import scene_of
 
 PRESSURE = 2.3e5
 MIXTURES = {
@@ -189,14 +190,52 @@ def test_fractions_sum_to_one(text, good):
     """
     fluid = {"model": "cantera", "composition": text}
     scenes = (
-        {"mesh": {"type": "line", "length": 1.0}, "packed_bed": {"porosity": 0.4}, "gas": fluid,
-         "solids": {"sand": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0, "diameter": 0.01}},
-         "closures": {"nusselt": 10.0}, "heat": {},
-         "boundary": {"left": {"gas": {"velocity": 0.1, "temperature": 400.0}}}},
-        {"particles": {"count": 60, "width": [8e-3, 8e-3], "height": 0.06}, "gas": fluid,
-         "solids": {"glass": {"diameter": 2e-3, "density": 2500.0, "heat_capacity": 840.0,
-         "conductivity": 0.84, "emissivity": 0.9}}, "closures": {"nusselt": "gunn"},
-         "boundary": {"bottom": {"gas": {"velocity": 1.0}}}, "time": {"end": 0.01, "sample": 0.001}},
+        scene_of("""
+            [mesh]
+            type = "line"
+            length = 1.0
+
+            [packed_bed]
+            porosity = 0.4
+
+            [solids.sand]
+            density = 2000.0
+            heat_capacity = 900.0
+            conductivity = 1.0
+            diameter = 0.01
+
+            [closures]
+            nusselt = 10.0
+
+            [heat]
+
+            [boundary.left.gas]
+            velocity = 0.1
+            temperature = 400.0
+        """, {"gas": fluid}),
+        scene_of("""
+            [particles]
+            count = 60
+            width = [8e-3, 8e-3]
+            height = 0.06
+
+            [solids.glass]
+            diameter = 2e-3
+            density = 2500.0
+            heat_capacity = 840.0
+            conductivity = 0.84
+            emissivity = 0.9
+
+            [closures]
+            nusselt = "gunn"
+
+            [boundary.bottom.gas]
+            velocity = 1.0
+
+            [time]
+            end = 0.01
+            sample = 0.001
+        """, {"gas": fluid}),
     )  # fmt: skip
     for scene in scenes:
         if good:

@@ -6,6 +6,8 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
+from tests.scene_text import scene_of
+
 CHECKS = Path(__file__).parents[2] / "studies" / "two_fluid_checks"
 CHECK_CASES = (
     "closed_box_jj",
@@ -23,49 +25,47 @@ CHECK_CASES = (
     "uniform_syamlal",
     "uniform_wenyu",
 )
-JET = {
-    "model": "two_fluid",
-    "closures": {
-        "drag": "drag_gidaspow",
-        "friction_viscosity": "friction_viscosity_schaeffer",
-    },
-    "gas": {"density": 1.2, "viscosity": 1.8e-5},
-    "solids": {
-        "beads": {
-            "diameter": 5e-4,
-            "density": 2500.0,
-            "restitution": 0.9,
-            "packing_limit": 0.63,
-        }
-    },
-    "initial": {
-        "solids": {"beads": {"granular_temperature": 1e-3}},
-        "noise": 0.02,
-        "layer": [
-            {
-                "end": 0.06,
-                "solids": {"beads": {"volume_fraction": 0.58, "velocity": 0.1}},
-            }
-        ],
-    },
-    "boundary": {
-        "bottom": {"type": "inlet", "gas": {"velocity": 0.8}},
-        "top": {"type": "outlet"},
-        "left": {
-            "type": "wall",
-            "solids": {
-                "beads": {
-                    "wall": "johnson_jackson",
-                    "specularity": 0.05,
-                    "restitution": 0.9,
-                }
-            },
-        },
-        "right": {"type": "wall"},
-    },
-    "time": {"end": 0.05, "sample": 0.01, "first": 5e-4, "longest": 1e-3},
-    "output": {"plots": False},
-}
+JET = scene_of("""
+model = "two_fluid"
+
+[closures]
+drag = "drag_gidaspow"
+friction_viscosity = "friction_viscosity_schaeffer"
+
+[gas]
+density = 1.2
+viscosity = 1.8e-5
+
+[solids.beads]
+diameter = 5e-4
+density = 2500.0
+restitution = 0.9
+packing_limit = 0.63
+
+[initial]
+solids.beads = { granular_temperature = 1e-3 }
+noise = 0.02
+layer = [{ end = 0.06, solids = { beads = { volume_fraction = 0.58, velocity = 0.1 } } }]
+
+[boundary]
+bottom.type = "inlet"
+bottom.gas = { velocity = 0.8 }
+top.type = "outlet"
+left.type = "wall"
+left.solids.beads.wall = "johnson_jackson"
+left.solids.beads.specularity = 0.05
+left.solids.beads.restitution = 0.9
+right.type = "wall"
+
+[time]
+end = 0.05
+sample = 0.01
+first = 5e-4
+longest = 1e-3
+
+[output]
+plots = false
+""")
 # the gas conducts so well that its conduction is implicit
 HEAT = {
     "gas.heat_capacity": 1005.0,

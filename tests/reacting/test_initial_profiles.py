@@ -28,6 +28,7 @@ from contbed.output.tables import write_table
 from contbed.particle.adsorption import Inside, Isotherm
 from contbed.particle.interior import interior
 from contbed.reacting_bed.course import Course
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import set_keys
 
@@ -451,70 +452,8 @@ def test_gases_of_the_file_belong_to_the_bed(tmp_path):
 
 # bad tables
 
-BAD = [
-    (
-        "x [m],T_fluid [K]\n0,300\n1.5,300\n",
-        r"start\.csv:3: column 'x': positions from 0 to 1\.5 m, the bed is 1 m",
-    ),
-    (
-        "x [m],w_S [1],w_P [1]\n0,1,0\n0,1,0\n",
-        r"start\.csv:3: the position 0 m is given twice",
-    ),
-    ("y [1],w_S [1]\n0,1\n", r"start\.csv:1: no column with a length"),
-    (
-        "x [m],w_S [K],w_P [1]\n0,1,0\n1,1,0\n",
-        r"start\.csv:1: expected a plain number in 1, found 'w_S \[K\]'",
-    ),
-    (
-        "x [m],w_S [1],w_P [1]\n0,1,0\n1,0.7,0.2\n",
-        r"start\.csv:3: mass fractions, .* sum to 0\.9; they must sum to 1",
-    ),
-    (
-        "x [m],w_S [1],w_P [1]\n0,1,0\n1,1.2,-0.2\n",
-        r"start\.csv:3: column 'w_P': -0\.2 is below zero",
-    ),
-    (
-        "x [m],n_S [mol/m3]\n0,1\n1,2\n",
-        r"start\.csv:1: no column 'n_P'; give the moles of all solids that react",
-    ),
-    (
-        "x [m],n_S [kg/m3],n_P [mol/m3]\n0,1,1\n",
-        r"start\.csv:1: expected a .* in mol/m\*\*3, found 'n_S \[kg/m3\]'",
-    ),
-    (
-        "x [m],n_Q [mol/m3]\n0,1\n1,2\n",
-        r"start\.csv:1: column 'n_Q': nothing in this scene; remove it, or allowed:",
-    ),
-    (
-        "x [m],T_slid [K]\n0,300\n1,300\n",
-        r"column 'T_slid': nothing in this scene; .* did you mean 'T_solid'",
-    ),
-    (
-        "x [m],x_A [1]\n0,1\n1,0.9\n",
-        r"start\.csv:3: mole fractions, .* sum to 0\.9; they must sum to 1",
-    ),
-    (
-        "x [m],x_A [1],x_Z [1]\n0,1,0\n1,0.9,0.1\n",
-        r"start\.csv:1: column 'x_Z': Z is neither a gas of",
-    ),
-    (
-        "x [m],q_A [mol/kg]\n0,1\n1,1\n",
-        r"start\.csv:1: column 'q_A': nothing in this scene",
-    ),
-    (
-        "x [m],T_fluid [K]\n0,25\n1,300\n",
-        r"start\.csv:2: column 'T_fluid': 25 K lies below 50 K; .*'T_fluid \[degC\]'",
-    ),
-    (
-        "x [m],T_fluid [degC]\n0,25\n1,warm\n",
-        r"start\.csv:3: column 'T_fluid': expected a number, found 'warm'",
-    ),
-]
 
-
-@pytest.mark.parametrize(
-    ("table", "message"), BAD, ids=[str(k) for k in range(len(BAD))]
-)
+@each_case(__file__, "mistakes_of_a_table_are_told")
 def test_mistakes_of_a_table_are_told(tmp_path, table, message):
     refused(
         r"initial\.file.*: (start\.csv:1: )?" + message,

@@ -20,7 +20,7 @@ from tests.balances import assert_closed
 from tests.cases import each_case
 from tests.particle.tables import sphere
 from tests.refusals import refused
-from tests.scene_text import set_keys
+from tests.scene_text import scene_of, set_keys
 
 D_A, D_B, R = 2e-6, 5e-6, 1.5e-3
 
@@ -102,22 +102,17 @@ REFORMER = {
         "pressure": "20 bar",
         "viscosity": 3e-5,
     },
-    "solids": {
-        "particles": {
-            "diameter": 8e-3,
-            "density": 2700.0,
-            "inside": {
-                "mass": "interior",
-                "diffusivity": {
-                    "CH4": 2e-6,
-                    "H2O": 2.5e-6,
-                    "H2": 6e-6,
-                    "CO": 2e-6,
-                    "CO2": 1.5e-6,
-                },
-            },
-        }
-    },
+    "solids": scene_of("""
+        [particles]
+        diameter = 8e-3
+        density = 2700.0
+        inside.mass = "interior"
+        inside.diffusivity.CH4 = 2e-6
+        inside.diffusivity.H2O = 2.5e-6
+        inside.diffusivity.H2 = 6e-6
+        inside.diffusivity.CO = 2e-6
+        inside.diffusivity.CO2 = 1.5e-6
+    """),
     "packed_bed": {"porosity": 0.5, "pressure_drop": "none"},
     "closures": {},
     "heat": {},

@@ -15,6 +15,7 @@ from contbed.errors import ConvergenceError
 from contbed.loading import from_dict
 from tests.balances import assert_closed
 from tests.refusals import refused
+from tests.scene_text import scene_of
 
 
 def fcc(cells=60, **closures):
@@ -26,17 +27,29 @@ def fcc(cells=60, **closures):
         "solids_mass_flux": 50.0,
     }
     return from_dict(
-        {
-            "developed_flow": flow,
-            "closures": closures,
-            "gas": {"density": 1.2, "viscosity": 1.8e-5},
-            "solids": {"beads": {"diameter": 75e-6, "density": 1500.0}},
-            "boundary": {
-                "wall": {"type": "wall", "solids": {"beads": {"specularity": 0.1}}}
-            },
-            "solver": {"cells": cells},
-            "output": {"plots": False, "fields": False},
-        }
+        scene_of(
+            f"""
+            [gas]
+            density = 1.2
+            viscosity = 1.8e-5
+
+            [solids.beads]
+            diameter = 75e-6
+            density = 1500.0
+
+            [boundary.wall]
+            type = "wall"
+            solids.beads = {{ specularity = 0.1 }}
+
+            [solver]
+            cells = {cells!r}
+
+            [output]
+            plots = false
+            fields = false
+        """,
+            {"developed_flow": flow, "closures": closures},
+        )
     )
 
 

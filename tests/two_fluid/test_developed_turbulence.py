@@ -11,6 +11,7 @@ from contbed.developed_flow.equations import prandtl_friction
 from contbed.loading import from_dict
 from tests.balances import assert_closed
 from tests.refusals import refused
+from tests.scene_text import scene_of
 
 R, NU = 0.05, 1.8e-5 / 1.2
 
@@ -23,16 +24,26 @@ def pipe(Re, flux=0.0, turbulence="eddy_viscosity_nikuradse"):
         "solids_mass_flux": flux,
     }
     return from_dict(
-        {
-            "developed_flow": flow,
-            "closures": {"turbulence": turbulence},
-            "gas": {"density": 1.2, "viscosity": 1.8e-5},
-            "solids": {"beads": {"diameter": 200e-6, "density": 2500.0}},
-            "boundary": {
-                "wall": {"type": "wall", "solids": {"beads": {"specularity": 0.1}}}
-            },
-            "output": {"plots": False, "fields": False},
-        }
+        scene_of(
+            """
+            [gas]
+            density = 1.2
+            viscosity = 1.8e-5
+
+            [solids.beads]
+            diameter = 200e-6
+            density = 2500.0
+
+            [boundary.wall]
+            type = "wall"
+            solids.beads = { specularity = 0.1 }
+
+            [output]
+            plots = false
+            fields = false
+        """,
+            {"developed_flow": flow, "closures.turbulence": turbulence},
+        )
     )
 
 

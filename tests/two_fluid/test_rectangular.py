@@ -22,6 +22,7 @@ from contbed.two_fluid.fv import grid
 from contbed.two_fluid.linear.pressure_solver import PressureSolver
 from contbed.two_fluid.simulation import Simulation
 from contbed.two_fluid.state import flatten, rebuild
+from tests.scene_text import scene_of
 
 HOT_BUBBLE = (
     Path(__file__).parents[2]
@@ -35,31 +36,42 @@ WALL = {
         "beads": {"wall": "johnson_jackson", "specularity": 0.01, "restitution": 0.9}
     },
 }
-BED = {
-    "mesh": {"type": "rectangle", "length": 0.06, "height": 0.12, "cells": (9, 20)},
-    "model": "two_fluid",
-    "closures": {"drag": "drag_gidaspow"},
-    "gas": {"density": 1.225, "viscosity": 1.7894e-5},
-    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0}},
-    "initial": {
-        "gas": {"velocity": 0.46},
-        "noise": 0.02,
-        "layer": [
-            {
-                "end": 0.06,
-                "solids": {"beads": {"volume_fraction": 0.55}},
-                "gas": {"velocity": 1.0},
-            }
-        ],
-    },
-    "boundary": {
-        "bottom": {"type": "inlet", "gas": {"velocity": 0.46}},
-        "top": {"type": "outlet"},
-        "left": WALL,
-        "right": WALL,
-    },
-    "time": {"end": 1.0},
-}
+BED = scene_of(
+    """
+model = "two_fluid"
+
+[mesh]
+type = "rectangle"
+length = 0.06
+height = 0.12
+cells = [9, 20]
+
+[closures]
+drag = "drag_gidaspow"
+
+[gas]
+density = 1.225
+viscosity = 1.7894e-5
+
+[solids.beads]
+diameter = 275e-6
+density = 2500.0
+
+[initial]
+gas.velocity = 0.46
+noise = 0.02
+layer = [{ end = 0.06, solids = { beads = { volume_fraction = 0.55 } }, gas = { velocity = 1.0 } }]
+
+[boundary]
+bottom.type = "inlet"
+bottom.gas = { velocity = 0.46 }
+top.type = "outlet"
+
+[time]
+end = 1.0
+""",
+    {"boundary.left": WALL, "boundary.right": WALL},
+)
 SOLID_INLET = {
     "type": "inlet",
     "gas": {"velocity": 1.2},

@@ -93,15 +93,12 @@ def box(**tables):
 
 
 HEAT = {
-    "moving": {
-        "boundary": {
-            "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
-            "right": {
-                "solids": {"particles": {"velocity": 1e-3, "temperature": 700.0}}
-            },
-            "bottom": {"solids": {"particles": {"fixed_temperature": 500.0}}},
-        }
-    },
+    "moving": scene_of("""
+        [boundary]
+        left.gas = { velocity = 0.05, temperature = 300.0 }
+        right.solids.particles = { velocity = 1e-3, temperature = 700.0 }
+        bottom.solids.particles = { fixed_temperature = 500.0 }
+    """),
     "mixed": {"closures": {"nusselt": 1e4}, "heat": {}},
 }
 

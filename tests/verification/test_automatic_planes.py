@@ -19,6 +19,7 @@ from contbed.mesh.grading import graded
 from contbed.packed_bed import accuracy
 from contbed.packed_bed.corners import unlike_temperatures
 from contbed.packed_bed.plan import plan
+from tests.scene_text import scene_of
 
 # True errors over solver.tolerance where no warning is given. Measured at 1e-4 on all
 # fifty beds: theta at most 0.96; heat at most 0.05, and 10 to 840 in the eight beds
@@ -33,28 +34,39 @@ WALLS = {
 
 def plane(**tables):
     """A bed between a hot plate and an adiabatic one."""
-    found = {
-        "mesh": {"type": "rectangle", "length": 0.2, "height": 0.1},
-        "gas": {
-            "density": 1.0,
-            "heat_capacity": 1000.0,
-            "conductivity": 0.1,
-            "viscosity": 2e-5,
-        },
-        "solids": {
-            "particles": {
-                "density": 2000.0,
-                "heat_capacity": 900.0,
-                "conductivity": 5.0,
-                "diameter": 0.01,
-            }
-        },
-        "packed_bed": {"porosity": 0.4},
-        "closures": {"nusselt": 1.0},
-        "heat": {},
-        "boundary": WALLS,
-        "output": {"plots": False, "fields": False},
-    }
+    found = scene_of(
+        """
+        [mesh]
+        type = "rectangle"
+        length = 0.2
+        height = 0.1
+
+        [gas]
+        density = 1.0
+        heat_capacity = 1000.0
+        conductivity = 0.1
+        viscosity = 2e-5
+
+        [solids.particles]
+        density = 2000.0
+        heat_capacity = 900.0
+        conductivity = 5.0
+        diameter = 0.01
+
+        [packed_bed]
+        porosity = 0.4
+
+        [closures]
+        nusselt = 1.0
+
+        [heat]
+
+        [output]
+        plots = false
+        fields = false
+    """,
+        {"boundary": WALLS},
+    )
     return from_dict(found | tables)
 
 

@@ -7,6 +7,7 @@ import pytest
 
 import contbed as cb
 from contbed.loading import from_dict, load
+from tests.scene_text import scene_of
 from tests.unit.test_first_hour import FOLDER
 
 COLD = 300.0
@@ -16,38 +17,45 @@ TOLERANCE = 1e-5
 def random_bed(rng):
     """Return a bed with k_s = k_0 + k_n T^n, n from 1 to 3, over decades of all else."""
     hot, power = rng.uniform(600.0, 3000.0), int(rng.integers(1, 4))
-    k_0, length, k_gas, nusselt, velocity, diameter, more = 10.0 ** rng.uniform(
-        [-2.0, -2.0, -2.0, 0.0, -3.0, -3.0, -1.0], [1.0, 0.0, 0.0, 1.5, 0.0, -2.0, 2.0]
-    )
+    lowest = [-2.0, -2.0, -2.0, 0.0, -3.0, -3.0, -1.0]
+    exponents = rng.uniform(lowest, [1.0, 0.0, 0.0, 1.5, 0.0, -2.0, 2.0])
+    drawn = (10.0**exponents).tolist()
+    k_0, length, k_gas, nusselt, velocity, diameter, more = drawn
     terms = [k_0] + [0.0] * (power - 1) + [more * k_0 / hot**power]
-    return {
-        "mesh": {"type": "line", "length": length},
-        "gas": {
-            "density": 1.2,
-            "heat_capacity": 1000.0,
-            "conductivity": k_gas,
-            "viscosity": 2e-5,
-        },
-        "solids": {
-            "stones": {
-                "density": 2500.0,
-                "heat_capacity": 900.0,
-                "conductivity": terms,
-                "diameter": diameter,
-            }
-        },
-        "packed_bed": {"porosity": 0.4},
-        "closures": {"nusselt": nusselt},
-        "heat": {},
-        "boundary": {
-            "left": {
-                "gas": {"velocity": velocity, "temperature": COLD},
-                "solids": {"stones": {"fixed_temperature": COLD}},
-            },
-            "right": {"solids": {"stones": {"fixed_temperature": hot}}},
-        },
-        "output": {"positions": (length * np.linspace(0.0, 1.0, 801)).tolist()},
-    }
+    return scene_of(f"""
+        [mesh]
+        type = "line"
+        length = {length}
+
+        [gas]
+        density = 1.2
+        heat_capacity = 1000.0
+        conductivity = {k_gas}
+        viscosity = 2e-5
+
+        [solids.stones]
+        density = 2500.0
+        heat_capacity = 900.0
+        conductivity = {terms}
+        diameter = {diameter}
+
+        [packed_bed]
+        porosity = 0.4
+
+        [closures]
+        nusselt = {nusselt}
+
+        [heat]
+
+        [boundary]
+        left.gas.velocity = {velocity}
+        left.gas.temperature = {COLD}
+        left.solids.stones.fixed_temperature = {COLD}
+        right.solids.stones.fixed_temperature = {hot}
+
+        [output]
+        positions = {(length * np.linspace(0.0, 1.0, 801)).tolist()}
+    """)
 
 
 def errors_of(scene):

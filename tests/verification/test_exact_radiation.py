@@ -31,6 +31,7 @@ from studies._exact.transport import (
     slab,
     slab_emittance,
 )
+from tests.scene_text import scene_of
 
 UNIT = 0.51
 
@@ -90,14 +91,19 @@ def test_black_plates(tau):
 def test_a_scene_says_how_low_two_flux_is(tau):
     """By the exact flux between black plates, within 1 % of it."""
     scene = from_dict(
-        {
-            "mesh": {"type": "line", "length": 1.0},
-            "radiation": {"scattering": tau, "level": "two_flux"},
-            "boundary": {
-                "left": {"radiation": {"temperature": 1000.0, "emissivity": 1.0}},
-                "right": {"radiation": {"temperature": 300.0, "emissivity": 1.0}},
-            },
-        }
+        scene_of(f"""
+            [mesh]
+            type = "line"
+            length = 1.0
+
+            [radiation]
+            scattering = {tau!r}
+            level = "two_flux"
+
+            [boundary]
+            left.radiation = {{ temperature = 1000.0, emissivity = 1.0 }}
+            right.radiation = {{ temperature = 300.0, emissivity = 1.0 }}
+        """)
     )
     (said,) = (text for text in scene.warnings if "two-flux method carries" in text)
     low = float(re.search(r"carries ([\d.]+) %", said)[1])

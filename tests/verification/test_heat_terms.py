@@ -21,6 +21,7 @@ from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
 from contbed.packed_bed.plan import plan
 from contbed.packed_bed.shared import heat_balance
+from tests.scene_text import scene_of
 
 AIR = {
     "density": 1.2,
@@ -43,27 +44,37 @@ def bed(
     }
     if dispersion is not None:
         closures["dispersion"] = dispersion
-    found = {
-        "mesh": {"type": "line", "length": 0.2, "cells": 6},
-        "gas": AIR,
-        "solids": {
-            "particles": {
-                "density": 2500.0,
-                "heat_capacity": 900.0,
-                "conductivity": 2.0,
-                "diameter": 0.01,
-            }
-        },
-        "packed_bed": {"porosity": 0.4},
-        "closures": closures,
-        "heat": {},
-        "boundary": {
-            "left": {"gas": {"velocity": 0.2, "temperature": 300.0}},
-            "right": {"solids": {"particles": {"fixed_temperature": 900.0}}},
-        },
-        "solver": {"degree": 1},
-        "output": {"plots": False, "fields": False},
-    }
+    found = scene_of(
+        """
+        [mesh]
+        type = "line"
+        length = 0.2
+        cells = 6
+
+        [solids.particles]
+        density = 2500.0
+        heat_capacity = 900.0
+        conductivity = 2.0
+        diameter = 0.01
+
+        [packed_bed]
+        porosity = 0.4
+
+        [heat]
+
+        [boundary]
+        left.gas = { velocity = 0.2, temperature = 300.0 }
+        right.solids.particles = { fixed_temperature = 900.0 }
+
+        [solver]
+        degree = 1
+
+        [output]
+        plots = false
+        fields = false
+    """,
+        {"gas": AIR, "closures": closures},
+    )
     return from_dict(found | tables)
 
 

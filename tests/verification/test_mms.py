@@ -5,7 +5,9 @@ velocity at 3 and pressure at 2, with and without SUPG. The observed order betwe
 two meshes may miss its value by 0.1, the share of higher-order terms on these meshes.
 """
 
+import tomllib
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,75 +18,18 @@ from contbed.solvers.linear import Policy
 from studies._exact.manufactured import jet, observed_order
 
 TOLERANCE = 0.1
-CASES: dict[str, Any] = {
-    "line_1": Heat("line", (16, 32), 1),
-    "line_2": Heat("line", (16, 32), 2),
-    "line_3": Heat("line", (16, 32), 3),
-    "triangle_1": Heat("triangle", (16, 32), 1),
-    "triangle_2": Heat("triangle", (16, 32), 2),
-    "triangle_3": Heat("triangle", (8, 16), 3),
-    "triangle_2_without_supg": Heat("triangle", (16, 32), 2, stabilised=False),
-    "triangle_2_convective": Heat("triangle", (32, 64), 2, conductivity=1e-3),
-    "triangle_2_computed_velocity": Heat("triangle", (16, 32), 2, computed=True),
-    "triangle_2_nonlinear": Heat("triangle", (16, 32), 2, nonlinear=True),
-    "triangle_2_axisymmetric": Heat("triangle", (16, 32), 2, axisymmetric=True),
-    "quadrilateral_1": Heat("quadrilateral", (16, 32), 1),
-    "quadrilateral_2": Heat("quadrilateral", (16, 32), 2),
-    "quadrilateral_3": Heat("quadrilateral", (8, 16), 3),
-    "quadrilateral_2_without_supg": Heat(
-        "quadrilateral", (16, 32), 2, stabilised=False
-    ),
-    "quadrilateral_2_computed_velocity": Heat(
-        "quadrilateral", (16, 32), 2, computed=True
-    ),
-    "quadrilateral_2_nonlinear": Heat("quadrilateral", (16, 32), 2, nonlinear=True),
-    "quadrilateral_2_axisymmetric": Heat(
-        "quadrilateral", (16, 32), 2, axisymmetric=True
-    ),
-    "tetrahedron_1": Heat("tetrahedron", (6, 12), 1),
-    "tetrahedron_2": Heat("tetrahedron", (3, 6), 2),
-    "tetrahedron_3": Heat("tetrahedron", (2, 4), 3),
-    "tetrahedron_2_without_supg": Heat("tetrahedron", (4, 8), 2, stabilised=False),
-    "hexahedron_1": Heat("hexahedron", (4, 8), 1),
-    "hexahedron_2": Heat("hexahedron", (4, 8), 2),
-    "radiating_triangle_1": Radiating("triangle", (16, 32), 1),
-    "radiating_triangle_2": Radiating("triangle", (8, 16), 2),
-    "radiating_triangle_2_without_supg": Radiating(
-        "triangle", (8, 16), 2, stabilised=False
-    ),
-    "radiating_triangle_2_axisymmetric": Radiating(
-        "triangle", (8, 16), 2, axisymmetric=True
-    ),
-    "radiating_quadrilateral_1": Radiating("quadrilateral", (16, 32), 1),
-    "radiating_quadrilateral_2": Radiating("quadrilateral", (8, 16), 2),
-    "radiating_quadrilateral_2_axisymmetric": Radiating(
-        "quadrilateral", (8, 16), 2, axisymmetric=True
-    ),
-    "radiating_tetrahedron_1": Radiating("tetrahedron", (7, 13), 1),
-    "flow_triangle": Flow("triangle", (8, 16)),
-    "flow_quadrilateral": Flow("quadrilateral", (8, 16)),
-    "flow_triangle_axisymmetric": Flow("triangle", (8, 16), axisymmetric=True),
-    "flow_quadrilateral_axisymmetric": Flow(
-        "quadrilateral", (8, 16), axisymmetric=True
-    ),
-    "flow_tetrahedron": Flow("tetrahedron", (3, 6)),
-    "flow_hexahedron": Flow("hexahedron", (3, 6)),
-}
-SLOW = {
-    "radiating_tetrahedron_2": Radiating("tetrahedron", (5, 9), 2),
-    "finer_tetrahedron_1": Heat("tetrahedron", (12, 20), 1),
-    "finer_tetrahedron_2": Heat("tetrahedron", (6, 10), 2),
-    "finer_tetrahedron_3": Heat("tetrahedron", (4, 6), 3),
-    "finer_radiating_tetrahedron_1": Radiating("tetrahedron", (12, 20), 1),
-    "finer_radiating_tetrahedron_2": Radiating("tetrahedron", (6, 10), 2),
-    "finer_tetrahedron_flow": Flow("tetrahedron", (4, 8)),
-}
-PARAMETERS = [*CASES, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)]
+KINDS = {"Heat": Heat, "Radiating": Radiating, "Flow": Flow}
+TABLES = tomllib.loads(Path(__file__).with_name("mms.toml").read_text(encoding="utf-8"))
+PARAMETERS = [
+    *TABLES["cases"],
+    *(pytest.param(name, marks=pytest.mark.slow) for name in TABLES["slow"]),
+]
 
 
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_order(name: str) -> None:
-    case, errors = (CASES | SLOW)[name], []
+    values: dict[str, Any] = dict((TABLES["cases"] | TABLES["slow"])[name])
+    case, errors = KINDS[values.pop("of")](**values), []
     for n in case.sizes:
         manufactured, fixed = case.manufactured(n)
         state = manufactured.solve(

@@ -28,6 +28,7 @@ from studies._exact.conduction_radiation import conduction_diffusion
 from studies._exact.manufactured import observed_order
 from tests.refusals import refused
 from tests.restarts import interrupt
+from tests.scene_text import scene_of
 
 OPTICS = {"absorption": 8.0, "scattering": 2.0}
 HOT, COLD = 1500.0, 400.0
@@ -393,17 +394,22 @@ def test_reciprocity_of_two_walls():
             name: {"radiation": wall(COLD, e)}
             for name, e in (("left", 0.3), ("top", 0.9), ("right", 0.6))
         }
-        values = {
-            "mesh": {
-                "type": "rectangle",
-                "length": 1.0,
-                "height": 0.4,
-                "cells": [8, 4],
-                "shape": "triangle",
-            },
-            "radiation": {"absorption": 0.5, "scattering": 2.0, "temperature": COLD},
-            "boundary": boundary,
-        }
+        values = scene_of(
+            f"""
+            [mesh]
+            type = "rectangle"
+            length = 1.0
+            height = 0.4
+            cells = [8, 4]
+            shape = "triangle"
+
+            [radiation]
+            absorption = 0.5
+            scattering = 2.0
+            temperature = {COLD!r}
+        """,
+            {"boundary": boundary},
+        )
         cold = run(values).qoi[f"heat_{other}_W"]
         boundary[hot]["radiation"]["temperature"] = HOT
         return run(values).qoi[f"heat_{other}_W"] - cold
