@@ -4,6 +4,7 @@ numbers, and what to try.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 
@@ -17,13 +18,14 @@ class ContbedError(Exception):
 
 class SceneError(ContbedError):
     """The scene, its mesh or its materials cannot be used; `problems` holds one line
-    for each mistake.
+    for each mistake, none twice.
     """
 
     exit_code = 2
 
-    def __init__(self, problems: str | list[str]):
-        self.problems = [problems] if isinstance(problems, str) else list(problems)
+    def __init__(self, problems: str | Iterable[str]):
+        texts = [problems] if isinstance(problems, str) else problems
+        self.problems = list(dict.fromkeys(texts))
         super().__init__("\n".join(self.problems))
 
 

@@ -129,3 +129,17 @@ def _patterns(table: str) -> list[tuple[re.Pattern[str], Field]]:
     return [
         (re.compile(".+".join(map(re.escape, part))), entry) for part, entry in parts
     ]
+
+
+def span(ends: Iterable[float | None], style: str = ".3g") -> str:
+    """Return a range in words; None is no bound.
+
+    >>> span((1.0, None)), span((0.5, 2.0)), span((2.0, 2.0))
+    ('at least 1', '0.5 to 2', '2')
+    """
+    low, high = ends
+    if low is None or high is None:
+        bounds = (("at least", low), ("at most", high))
+        words = [f"{word} {end:{style}}" for word, end in bounds if end is not None]
+        return words[0] if words else "any"
+    return f"{low:{style}}" if low == high else f"{low:{style}} to {high:{style}}"

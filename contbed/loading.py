@@ -138,13 +138,7 @@ def _build(
             for path, text in problems
         ]
         problems.sort(key=lambda problem: origin.line(problem[0]))
-        raise SceneError(
-            list(
-                dict.fromkeys(
-                    line(origin, values, path, text) for path, text in problems
-                )
-            )
-        )
+        raise SceneError(line(origin, values, path, text) for path, text in problems)
     scene: SceneBase = model(
         **{name: part for name, part in parts.items() if part is not None}
     )

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from contbed import models
 from contbed.engine import Engine
 from contbed.errors import ContbedError
-from contbed.fields import unit_of
+from contbed.fields import span, unit_of
 
 if TYPE_CHECKING:
     import pandas
@@ -222,21 +222,8 @@ def timed(phase: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
 def outside(closure: Mapping[str, Any]) -> str:
     """Describe how a closure was used outside its declared range."""
     parts = [
-        f"{name} {_span(*use['used'])}, declared {_span(*use['declared'])}"
+        f"{name} {span(use['used'], '.4g')}, declared {span(use['declared'], '.4g')}"
         for name, use in closure["ranges"].items()
         if use["share_outside"] > 0
     ]
     return f"closure {closure['name']} is out of its range: {', '.join(parts)}"
-
-
-def _span(low: float | None, high: float | None) -> str:
-    """Return a range as words; None is no bound."""
-    if low is None or high is None:
-        return (
-            f"at least {low:.4g}"
-            if low is not None
-            else f"at most {high:.4g}"
-            if high is not None
-            else "any"
-        )
-    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"

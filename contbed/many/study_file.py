@@ -48,12 +48,12 @@ class StudyFile(Generic[_Table]):
     def stop(self) -> None:
         """Raise SceneError with all mistakes that were noted."""
         if self.problems:
-            raise SceneError(list(dict.fromkeys(self.problems)))
+            raise SceneError(self.problems)
 
     def fail(self, path: KeyPath, text: str) -> NoReturn:
         """Raise SceneError with a mistake at a key, and all noted before."""
         self.say(path, text)
-        raise SceneError(list(dict.fromkeys(self.problems)))
+        raise SceneError(self.problems)
 
     def file(self, path: KeyPath, name: str) -> Path:
         """Return the file that a key names; one that is absent is a mistake."""

@@ -195,7 +195,7 @@ def require_inputs_elsewhere(folder: Path, inputs: Iterable[tuple[str, Path]]) -
         if each.parent.resolve() == there and RESULTS.fullmatch(each.name)
     ]
     if problems:
-        raise SceneError(list(dict.fromkeys(problems)))
+        raise SceneError(problems)
 
 
 def prepare_study(folder: Path, *names: str) -> None:

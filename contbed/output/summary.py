@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fields import labelled, name_of, unit_in, unit_of
+from contbed.fields import labelled, name_of, span, unit_in, unit_of
 from contbed.output.files import atomic
 
 KEYS = (
@@ -148,7 +148,7 @@ def _closure_rows(closures: Iterable[Mapping[str, Any]]) -> list[list[str]]:
             share = use["share_outside"]
             outside = f"! {100 * share:.3g} %" if share else "0"
             rows.append(
-                [name, argument, _span(use["used"]), _span(use["declared"]), outside]
+                [name, argument, span(use["used"]), span(use["declared"]), outside]
             )
             name = ""
         if name:
@@ -189,19 +189,6 @@ def _unit(key: str) -> str | None:
     """
     unit = unit_of(key)
     return unit_in(key) or (None if key.endswith(f"_{unit}") else unit)
-
-
-def _span(ends: Iterable[float | None]) -> str:
-    low, high = ends
-    if low is None or high is None:
-        return (
-            f">= {low:.3g}"
-            if low is not None
-            else f"<= {high:.3g}"
-            if high is not None
-            else "-"
-        )
-    return f"{low:.3g}" if low == high else f"{low:.3g} .. {high:.3g}"
 
 
 def number_text(value: Any, style: str = ".4g") -> str:

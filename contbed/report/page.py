@@ -117,10 +117,12 @@ def picture(file: Path) -> str:
 
 def warnings(texts: Iterable[str]) -> str:
     """Return the section of warnings; nothing where there are none."""
-    items = "".join(f"<li>{escape(text)}</li>" for text in texts)
-    return section(
-        "Warnings", f'<ul class="warnings">{items}</ul>' if items else "", "warnings"
-    )
+    return section("Warnings", _listed(texts), "warnings")
+
+
+def _listed(warnings: Iterable[str]) -> str:
+    items = "".join(f"<li>{escape(text)}</li>" for text in warnings)
+    return f'<ul class="warnings">{items}</ul>' if items else ""
 
 
 def place(number: int, chart: dict[str, Any]) -> str:
@@ -188,13 +190,18 @@ def number(value: Any) -> str:
 
 def found(values: Mapping[str, Any]) -> str:
     """Return named results with their units and meanings as a table."""
-    rows = []
-    for name, value in values.items():
-        entry = quantities.result(name)
-        meaning = escape(entry.description) if entry else ""
-        shown = unit(quantities.unit_of(name))
-        rows.append([code(quantities.name_of(name)), number(value), shown, meaning])
+    rows = (
+        _result(name, [number(value)], quantities.unit_of(name))
+        for name, value in values.items()
+    )
     return table(["result", "value", "unit", "meaning"], rows, [1])
+
+
+def _result(name: str, cells: Sequence[str], own_unit: str | None) -> list[str]:
+    """Return the row of a named result with its values in some runs."""
+    entry = quantities.result(name)
+    meaning = escape(entry.description) if entry else ""
+    return [code(quantities.name_of(name)), *cells, unit(own_unit), meaning]
 
 
 def results(runs: Sequence[Run]) -> str:
@@ -206,21 +213,13 @@ def results(runs: Sequence[Run]) -> str:
     )
     rows = []
     for name in names:
-        entry = quantities.result(name)
-        own_unit = next(
-            (
-                run.summary["units"][name]
-                for run in runs
-                if name in run.summary.get("units", {})
-            ),
-            "1",
-        )
+        units = (run.summary.get("units", {}).get(name) for run in runs)
+        own_unit = next(filter(None, units), "1")
         values = [run.summary.get("qoi", {}).get(name) for run in runs]
         cells = [number(values[0])]
         for value in values[1:]:
             cells += [f"{number(value)}{_difference(value, values[0])}"]
-        meaning = escape(entry.description) if entry else ""
-        rows.append([code(quantities.name_of(name)), *cells, unit(own_unit), meaning])
+        rows.append(_result(name, cells, own_unit))
     head = [
         "result",
         *((run.name for run in runs) if len(runs) > 1 else ["value"]),
@@ -269,10 +268,7 @@ def verdict(run: Run) -> str:
     if closures and not beyond:
         lines.append('<span class="good">each closure within its range</span>')
     body = f'<p class="verdict">{" ".join(lines)}</p>'
-    warnings = "".join(
-        f"<li>{escape(text)}</li>" for text in summary.get("warnings", [])
-    )
-    return body + (f'<ul class="warnings">{warnings}</ul>' if warnings else "")
+    return body + _listed(summary.get("warnings", []))
 
 
 def balances(run: Run) -> str:
@@ -294,8 +290,8 @@ def closures(run: Run) -> str:
     rows = []
     for closure in run.summary.get("closures", []):
         for argument, use in closure.get("ranges", {}).items() or [("", None)]:
-            used = "" if use is None else _span(use["used"])
-            declared = "" if use is None else _span(use["declared"])
+            used = "" if use is None else quantities.span(use["used"], ".6g")
+            declared = "" if use is None else quantities.span(use["declared"], ".6g")
             share = use["share_outside"] if use is not None else 0.0
             outside = (
                 f'<span class="bad">{100 * share:.3g} %</span>' if share else "none"
@@ -305,30 +301,18 @@ def closures(run: Run) -> str:
     return table(["closure", "argument", "used", "range", "outside", "source"], rows)
 
 
-def _span(ends: Sequence[float | None]) -> str:
-    low, high = ends
-    if low is not None and low == high:
-        return number(low)
-    return (
-        f"{'–∞' if low is None else number(low)} to "
-        f"{'∞' if high is None else number(high)}"
-    )
-
-
 def scene(keys: Sequence[Key]) -> str:
     """Return what a scene gives as a table, and what was left at its defaults below
     it.
     """
-    given = [
-        [code(key.name), number(key.value), escape(key.unit)]
-        for key in keys
-        if not key.default
-    ]
-    left = [
-        [code(key.name), number(key.value), escape(key.unit)]
-        for key in keys
-        if key.default
-    ]
+    given, left = (
+        [
+            [code(key.name), number(key.value), escape(key.unit)]
+            for key in keys
+            if key.default == default
+        ]
+        for default in (False, True)
+    )
     head = ["key", "value in SI", "unit"]
     text = table(head, given)
     if left:
@@ -365,12 +349,9 @@ def differences(runs: Sequence[Run]) -> str:
 def built(run: Run) -> str:
     """Return what the run built and left out, with the reasons."""
     rows = [
-        ["built", escape(item["what"]), escape(item["why"])]
-        for item in run.summary.get("built", [])
-    ]
-    rows += [
-        ["left out", escape(item["what"]), escape(item["why"])]
-        for item in run.summary.get("skipped", [])
+        [name, escape(item["what"]), escape(item["why"])]
+        for key, name in (("built", "built"), ("skipped", "left out"))
+        for item in run.summary.get(key, [])
     ]
     return table(["", "what", "why"], rows)
 

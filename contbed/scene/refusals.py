@@ -28,13 +28,7 @@ def table_of(model: type[_Table], values: dict[str, Any], origin: Origin) -> _Ta
     SceneError : all mistakes, each with file and line
     """
     if found := mistakes_of(model, values):
-        raise SceneError(
-            list(
-                dict.fromkeys(
-                    one_line(f"{origin.at(path)}: {text}") for path, text in found
-                )
-            )
-        )
+        raise SceneError(one_line(f"{origin.at(path)}: {text}") for path, text in found)
     return model.model_validate(values)
 
 

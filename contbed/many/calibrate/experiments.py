@@ -115,7 +115,7 @@ def read_jobs(
         except SceneError as error:
             problems += error.problems
     if problems:
-        raise SceneError(list(dict.fromkeys(problems)))
+        raise SceneError(problems)
     fitted = sum(point.fitted for job in jobs for point in job.points)
     if fitted < len(file.keys):
         raise SceneError(
