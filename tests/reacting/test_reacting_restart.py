@@ -171,9 +171,7 @@ def cores_that_are_damped():
 BEDS = {
     "damped": gas_that_is_damped(),
     "limited": cores_that_are_damped(),
-    "heated section": heated_section(),
     "adsorbing section": adsorbing_section(),
-    "section of pellets": section_of_pellets(),
     "kinds that adsorb": kinds_that_adsorb(),
     "kinds of pellets": kinds_of_pellets(),
 }

@@ -280,44 +280,6 @@ def test_mirrored_channel_with_computed_flow():
 SIDES = (("left", "right"), ("front", "back"), ("bottom", "top"))
 
 
-def along(axis: int) -> Any:
-    """A cube with streams along one axis and a heated wall across the next one."""
-    vector = [0.0, 0.0, 0.0]
-    vector[axis] = 1.0
-    low, high = SIDES[axis]
-    boundary = {
-        low: {"gas": {"temperature": 300.0}},
-        high: {"solids": {"particles": {"temperature": 400.0}}},
-    }
-    boundary[SIDES[(axis + 1) % 3][0]] = {"solids": {"particles": ROBIN}}
-    mesh = {
-        "type": "box",
-        "length": 0.5,
-        "width": 0.5,
-        "height": 0.5,
-        "cells": [3, 3, 3],
-    }
-    values = scene(
-        "box",
-        boundary=boundary,
-        velocity=[0.2 * v for v in vector],
-        velocity_solid=[-1e-4 * v for v in vector],
-    )
-    return run({**values, "mesh": mesh})
-
-
-def test_the_axes_of_a_box_are_alike():
-    points = np.random.default_rng(2).uniform(0.02, 0.48, (3, 40))
-    reference = values_at(closed(along(0)), points)
-    for axis in (1, 2):
-        np.testing.assert_allclose(
-            values_at(closed(along(axis)), np.roll(points, axis, axis=0)),
-            reference,
-            rtol=0,
-            atol=EQUAL,
-        )
-
-
 def test_one_dimension_stands_for_two_and_three():
     """A line, and the same bed solved in full: profiles, and heat that scales with the
     cross-section.
