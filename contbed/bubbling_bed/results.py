@@ -17,7 +17,7 @@ from contbed.closures.ranges import usage
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Probe, line_along
 from contbed.fields import header, name_of
-from contbed.materials.common import share_outside
+from contbed.materials.common import extrapolation, share_outside
 from contbed.result import Result
 
 # share of u_mf: with less excess gas a place counts as not fluidized
@@ -222,14 +222,11 @@ def _computed(
             "gas.mass_flow or hotter gas "
             "fluidizes it"
         )
-    for gas in {phase for phase in ("T_emulsion", "T_bubble") if phase in values}:
-        if (share := computed.gas.share_outside(values[gas])) > 0:
-            low, high = computed.gas.T_range
-            result.warnings.append(
-                f"{gas}: {100 * share:.3g} % of the height is outside of the "
-                "properties of the gas, "
-                f"{low:g} to {high:g} K"
-            )
+    gas = computed.gas
+    for phase in {name for name in ("T_emulsion", "T_bubble") if name in values}:
+        T = values[phase]
+        if text := extrapolation(phase, gas.heat_capacity, gas.T_range, T):
+            result.warnings.append(text)
     for name, item in computed.scene.present.items():
         T = values.get(f"T_{name}", computed.scene.initial.temperature)
         if share_outside(T, item.data_range):

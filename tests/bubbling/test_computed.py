@@ -4,6 +4,7 @@ Newton's method sees all of it.
 
 from types import SimpleNamespace
 
+import cantera as ct
 import numpy as np
 import pytest
 from bubbling_scenes import solved
@@ -13,7 +14,23 @@ import contbed as cb
 from contbed import closures
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
+from contbed.loading import loads
 from contbed.materials import gas_mixture
+
+COLD = """
+gas.composition = "O2:0.21, N2:0.79"
+bubbling_bed = { height = 0.5, section = 0.1, solids_fraction = 0.55, bubbles = {} }
+
+[boundary.bottom]
+gas = { mass_flow = 0.0024, temperature = 293.15 }
+
+[solids.quartz]
+diameter = 2e-4
+density = 2650
+heat_capacity = 800
+nusselt = "gunn"
+mixing_conductivity = 1e3
+"""
 
 
 def test_jacobian_is_the_derivative():
@@ -201,3 +218,25 @@ def test_species_are_told_apart():
     assert mixing[0] == pytest.approx(mixing[1])
     mean = (held["char"] + held["inert"]) / (0.02 * 1200.0 + 0.98 * 2600.0)
     assert local.state["cp_solid"] == pytest.approx(mean)
+
+
+def test_a_gas_at_room_temperature_says_what_its_data_miss():
+    """The data of gri30 begin at 300 K; the warning states the change of the
+    heat capacity there, that of Cantera. Half the gas of fluidization is warned of.
+    """
+    scene = loads(COLD, "cold.toml")
+    result = cb.run(scene)
+    told = next(text for text in result.warnings if text.startswith("T_emulsion"))
+    gas = ct.Solution("gri30.yaml")
+    capacity = []
+    for T in (293.15, 300.0):
+        gas.TPX = T, ct.one_atm, "O2:0.21, N2:0.79"
+        capacity.append(gas.cp_mass)
+    share = abs(capacity[0] / capacity[1] - 1.0)
+    assert (
+        f"extrapolated to 293.15 K, where the heat capacity differs by {share:.2%}"
+        in told
+    )
+    assert any(
+        "100 % of the height is not fluidized" in text for text in result.warnings
+    )
