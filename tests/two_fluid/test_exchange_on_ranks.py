@@ -11,7 +11,6 @@ from test_parts_of_ranks import GRIDS
 
 from contbed.ranks.two_fluid.cg import solve_on_ranks
 from contbed.ranks.two_fluid.division import Division
-from contbed.ranks.two_fluid.halo import Neighbour, RankHalo
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.fv.connections import connect
 from contbed.two_fluid.linear.cg import System, solve
@@ -50,26 +49,7 @@ class Communicator:
 
 
 def solved(part, whole_system, comm):
-    halo = RankHalo(
-        comm,
-        part.owned,
-        part.near,
-        part.own_faces,
-        part.own_edges,
-        [Neighbour(k, part.sent[k], part.received[k]) for k in sorted(part.sent)],
-    )
-    on = grid.Grid(
-        part.geometry,
-        part.grid_cells,
-        part.centres,
-        part.middles,
-        {},
-        part.axisymmetric,
-        part.bandwidth,
-        False,
-        None,
-        halo,
-    )
+    on = part.shared_grid(comm)
     coef, links, *of_cells = whole_system
     cells = (values[part.cells] for values in (links, *of_cells))
     x = np.empty((len(part.cells), coef.shape[1]))

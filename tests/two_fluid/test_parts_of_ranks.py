@@ -131,7 +131,7 @@ def test_parts_are_those_of_the_grid(name, size):
     assert np.array_equal(np.sort(cells), np.arange(len(whole.cells)))
     assert np.array_equal(np.sort(faces), np.arange(whole.face_count))
     for part in parts:
-        g, there = part.geometry, whole.geometry
+        g, there = part.grid.geometry, whole.geometry
         for names, places in (
             (OF_FACES, part.faces),
             (OF_INTERIOR, part.interior),
@@ -150,9 +150,9 @@ def test_parts_are_those_of_the_grid(name, size):
         )
         np.testing.assert_array_equal(there.left[part.faces], part.cells[g.left])
         np.testing.assert_array_equal(there.right[part.interior], part.cells[g.right])
-        np.testing.assert_array_equal(whole.centres[part.cells], part.centres)
-        np.testing.assert_array_equal(whole.middles[part.faces], part.middles)
-        np.testing.assert_array_equal(whole.cells[part.cells], part.grid_cells)
+        np.testing.assert_array_equal(whole.centres[part.cells], part.grid.centres)
+        np.testing.assert_array_equal(whole.middles[part.faces], part.grid.middles)
+        np.testing.assert_array_equal(whole.cells[part.cells], part.grid.cells)
         for other in parts:
             if part.rank in other.received:
                 sent, received = (
@@ -199,17 +199,7 @@ def test_layers_beside_walls_are_those_of_the_grid(name):
     met = 0
     for share in division.split(owner, 2):
         part = share.part()
-        on = grid.Grid(
-            part.geometry,
-            part.grid_cells,
-            part.centres,
-            part.middles,
-            {},
-            part.axisymmetric,
-            part.bandwidth,
-            False,
-            None,
-        )
+        on = part.grid
         mine = part.faces[on.interior :] - whole.interior
         found = layers_by_face(
             on, wall_layers(on, heated[mine])[0], part.faces, part.cells

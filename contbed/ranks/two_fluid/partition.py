@@ -8,14 +8,15 @@ that what two ranks compute for one face has the same bits.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from contbed.ranks.two_fluid.halo import Neighbour, RankHalo
 from contbed.two_fluid.compiled import Indices
 from contbed.two_fluid.fv.connections import Links, offsets
-from contbed.two_fluid.fv.grid import Geometry, faces_of, geometry
+from contbed.two_fluid.fv.grid import Grid, faces_of, geometry
 
 # of ghost cells: gradients on skewed grids take neighbours of neighbours; what reaches
 # farther is exchanged on the way
@@ -34,6 +35,7 @@ class Part:
     owned, near : number of own cells, and of those and the first layer
     interior, edge : faces of the whole grid; own_faces (nf,), own_edges (nb,) mark
         those of own cells on the left
+    grid : of these cells and faces, without exchange
     sent, received : for each neighbouring rank the own cells that it needs and the
         ghost cells that it owns
     """
@@ -44,21 +46,27 @@ class Part:
     near: int
     interior: Indices
     edge: Indices
-    geometry: Geometry
-    grid_cells: Indices
-    centres: np.ndarray
-    middles: np.ndarray
+    grid: Grid
     own_faces: np.ndarray
     own_edges: np.ndarray
     received: dict[int, Indices]
     sent: dict[int, Indices]
-    bandwidth: int
-    axisymmetric: bool
 
     @property
     def faces(self) -> Indices:
         """Faces (nf,) of the whole grid."""
         return np.concatenate((self.interior, self.edge))
+
+    def shared_grid(self, comm: Any) -> Grid:
+        """Return the grid that exchanges its ghost cells with other ranks."""
+        others = [
+            Neighbour(rank, self.sent[rank], self.received[rank])
+            for rank in sorted(self.sent)
+        ]
+        halo = RankHalo(
+            comm, self.owned, self.near, self.own_faces, self.own_edges, others
+        )
+        return replace(self.grid, halo=halo)
 
 
 class Share(NamedTuple):
@@ -95,6 +103,17 @@ class Share(NamedTuple):
         links, ni = self.links, len(self.links.right)
         inner, edge = faces_of(links, last)
         made = geometry(links, offsets(links), self.axisymmetric, self.skewed, last)
+        grid = Grid(
+            made,
+            self.grid_cells,
+            links.centres[:last],
+            links.middles[np.concatenate((inner, edge))],
+            {},
+            self.axisymmetric,
+            self.bandwidth,
+            False,
+            None,
+        )
         own, ghosts = made.left < owned, self.owner[owned:last]
         return Part(
             self.rank,
@@ -103,14 +122,9 @@ class Share(NamedTuple):
             near,
             self.faces[:ni][inner],
             self.faces[ni:][edge],
-            made,
-            self.grid_cells,
-            links.centres[:last],
-            links.middles[np.concatenate((inner, edge))],
+            grid,
             own,
             own[len(made.right) :],
             {int(k): owned + np.flatnonzero(ghosts == k) for k in np.unique(ghosts)},
             self.sent,
-            self.bandwidth,
-            self.axisymmetric,
         )

@@ -16,7 +16,7 @@ import numpy as np
 from contbed.compiled import threads
 from contbed.errors import ConvergenceError
 from contbed.ranks.group import RankGroup
-from contbed.ranks.two_fluid.halo import Neighbour, RankHalo
+from contbed.ranks.two_fluid.halo import RankHalo
 from contbed.ranks.two_fluid.partition import Part
 from contbed.ranks.two_fluid.pressure import PetscPressure
 from contbed.two_fluid import closure_kernels
@@ -29,7 +29,6 @@ from contbed.two_fluid.closure_kernels import (
 )
 from contbed.two_fluid.closures import bound
 from contbed.two_fluid.compiled import Array
-from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.model import Materials, Model, Options, Sources
 from contbed.two_fluid.near_walls import with_factors
 from contbed.two_fluid.rheology import Closures, Rheology
@@ -121,24 +120,7 @@ def make(
     edge, outside_heat = all_ranks.comm.scatter(given)
     near_walls = all_ranks.comm.bcast(walls is not None)
     wall_froude = all_ranks.take(walls, part.cells) if near_walls else None
-    sent, received = part.sent, part.received
-    others = [Neighbour(rank, sent[rank], received[rank]) for rank in sorted(sent)]
-    halo = RankHalo(
-        all_ranks.comm, part.owned, part.near, part.own_faces, part.own_edges, others
-    )
-    g = part.geometry
-    grid = Grid(
-        g,
-        part.grid_cells,
-        part.centres,
-        part.middles,
-        {},
-        part.axisymmetric,
-        part.bandwidth,
-        False,
-        None,
-        halo,
-    )
+    grid = part.shared_grid(all_ranks.comm)
     compiled = closure_kernels.make(
         about.materials, about.particles, bound(about.scene)
     )
