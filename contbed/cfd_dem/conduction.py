@@ -91,7 +91,7 @@ class Solid:
         impact = heat_impact.hertz_impact(
             R[i] * R[j] / (R[i] + R[j]), m[i] * m[j] / (m[i] + m[j]), modulus, speed
         )
-        hits = heat_impact.colliding(age, impact.duration)
+        hits = age < impact.duration
         density = np.array([material.density for material in simulation.materials])[
             simulation.kind
         ]

@@ -22,7 +22,12 @@ from numpy.typing import ArrayLike
 from contbed.arrays import Array
 from contbed.compiled.functions import inner
 from contbed.dem.contact import Vector
-from contbed.dem.heat_impact import DURATION5, conductance_of, impact_of
+from contbed.dem.heat_impact import (
+    DURATION5,
+    conductance_of,
+    constants_of,
+    impact_of,
+)
 from contbed.dem.kernel_arrays import HEAT_PAIR, Row, Table
 from contbed.dem.particles import Material
 from contbed.errors import SceneError
@@ -57,13 +62,14 @@ class ContactHeat:
         C = np.array([material.density for material in materials]) * self.capacities(
             materials
         )
-        lean = np.where(np.less_equal.outer(C, C), k[:, None], k[None, :])
         table = np.empty((len(materials), len(materials)), HEAT_PAIR)
         table["at_rest"] = 4.0 * self.static / np.add.outer(1.0 / k, 1.0 / k)
         table["impact"] = self.impact**3
-        table["capacity_ratio"] = np.minimum.outer(C, C) / np.maximum.outer(C, C)
-        table["diffusivity"] = lean / np.minimum.outer(C, C)
-        table["effusivity"] = 1.0 / np.add.outer((C * k) ** -0.5, (C * k) ** -0.5)
+        constants = constants_of((k[:, None], k), (C[:, None], C))
+        for name, values in zip(
+            ("diffusivity", "capacity_ratio", "effusivity"), constants, strict=True
+        ):
+            table[name] = values
         return table
 
     @staticmethod

@@ -197,8 +197,8 @@ def fit_log_polynomial(
     residuals = target - matrix @ values
     inverse = np.linalg.inv((matrix / size).T @ (matrix / size)) / np.outer(size, size)
     covariance = inverse * float(residuals @ residuals) / free
-    half = _half_widths(covariance, free)
-    content = {
+    estimates = _estimates(values, covariance, free)
+    form = {
         "format": FORMAT,
         "kind": kind,
         "form": "log_polynomial",
@@ -207,22 +207,12 @@ def fit_log_polynomial(
             for name, scale in scales.items()
         },
         "terms": [
-            {
-                "powers": list(term),
-                "value": float(v),
-                "interval": [float(v - h), float(v + h)],
-            }
-            for term, v, h in zip(powers, values, half, strict=True)
+            {"powers": list(term), **estimate}
+            for term, estimate in zip(powers, estimates, strict=True)
         ],
-        "range": {
-            name: [float(column.min()), float(column.max())]
-            for name, column in data.items()
-        },
-        "residuals": _summary(
-            residuals, "of ln(k/k_fluid)" if kind == "conductivity" else "of ln(Nu)"
-        ),
     }
-    return Fit(content, covariance, residuals)
+    what = "of ln(k/k_fluid)" if kind == "conductivity" else "of ln(Nu)"
+    return _fit(form, data, covariance, residuals, what)
 
 
 def fit_power(
@@ -250,27 +240,19 @@ def fit_power(
         model, Re, Nu, p0=(np.exp(log_a), b), xtol=1e-14, ftol=1e-14
     )
     residuals = Nu - model(Re, a, b)
-    half = _half_widths(covariance, free)
-    fitted = {name: (v, h) for name, v, h in zip("ab", (a, b), half, strict=True)}
-    content = {
+    factor, power = _estimates((a, b), covariance, free)
+    form = {
         "format": FORMAT,
         "kind": "nusselt",
         "form": "power",
         "parameters": {
             "base": {"value": base, "given": True},
-            **{
-                n: {"value": float(v), "interval": [float(v - h), float(v + h)]}
-                for n, (v, h) in fitted.items()
-            },
+            "a": factor,
+            "b": power,
             "c": {"value": c, "given": True},
         },
-        "range": {
-            name: [float(column.min()), float(column.max())]
-            for name, column in (("Re", Re), ("Pr", Pr))
-        },
-        "residuals": _summary(residuals, "of Nu"),
     }
-    return Fit(content, covariance, residuals)
+    return _fit(form, {"Re": Re, "Pr": Pr}, covariance, residuals, "of Nu")
 
 
 def _fitted(content: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -286,17 +268,33 @@ def _reference(column: Array, scale: str) -> float:
     return float(f"{middle:.3g}")
 
 
-def _half_widths(covariance: Array, free: int) -> Array:
-    return np.asarray(
-        student.ppf(0.5 + 0.5 * CONFIDENCE, free) * np.sqrt(np.diag(covariance))
-    )
+def _estimates(values: ArrayLike, covariance: Array, free: int) -> list[dict[str, Any]]:
+    """Return values with their intervals of confidence."""
+    quantile = student.ppf(0.5 + 0.5 * CONFIDENCE, free)
+    half = quantile * np.sqrt(np.diag(covariance))
+    return [
+        {"value": float(v), "interval": [float(v - h), float(v + h)]}
+        for v, h in zip(np.asarray(values), half, strict=True)
+    ]
 
 
-def _summary(residuals: Array, what: str) -> dict[str, Any]:
-    return {
+def _fit(
+    form: dict[str, Any],
+    data: Mapping[str, Array],
+    covariance: Array,
+    residuals: Array,
+    what: str,
+) -> Fit:
+    """Add the ranges of the data and a summary of the residuals to a form."""
+    ranges = {
+        name: [float(column.min()), float(column.max())]
+        for name, column in data.items()
+    }
+    summary = {
         "what": what,
         "points": int(residuals.size),
         "rms": float(np.sqrt(np.mean(residuals**2))),
         "largest": float(np.abs(residuals).max()),
         "confidence": CONFIDENCE,
     }
+    return Fit({**form, "range": ranges, "residuals": summary}, covariance, residuals)

@@ -182,16 +182,14 @@ def _spreading(
     )
 
 
-def convection(
-    Re: Any, Pr: Any, k_fluid: Any, d_p: Any, a: float = 1.2, b: float = 0.5
-) -> Any:
-    """Evaluate the coefficient between a particle and the fluid [W/m2/K], Nu = 2 + a
-    Re^b Pr^(1/3) (Eq. 4).
+def convection(Re: Any, Pr: Any, k_fluid: Any, d_p: Any) -> Any:
+    """Evaluate the coefficient between a particle and the fluid [W/m2/K], Nu = 2 +
+    1.2 Re^0.5 Pr^(1/3) (Eq. 4).
 
-    Re on the local superficial relative velocity; a is 0.6 to 1.8 in Kunii and
-    Levenspiel (1991).
+    Re on the local superficial relative velocity; the factor is 0.6 to 1.8 in Kunii
+    and Levenspiel (1991).
     """
-    return (2.0 + a * Re**b * Pr ** (1 / 3)) * k_fluid / d_p
+    return (2.0 + 1.2 * Re**0.5 * Pr ** (1 / 3)) * k_fluid / d_p
 
 
 def surroundings(pairs: Pairs, T: Array, T_fluid: Any, eps: Any, d_p: float) -> Array:

@@ -16,7 +16,7 @@ import numpy as np
 from numba.extending import overload, register_jitable
 from numpy.typing import ArrayLike
 
-from contbed.arrays import Array, Flags
+from contbed.arrays import Array
 
 _DURATION = 2.9432751843247043  # t_c v/delta_max = 2 sqrt(pi) Gamma(7/5)/Gamma(9/10)
 DURATION5 = _DURATION**5 * (15.0 / 16.0) ** 2  # t_c^5 in units of m*^2/(R* E*^2 v)
@@ -119,19 +119,26 @@ def impact_conductance(
     -------
     G [W/K], symmetric in the particles.
     """
+    constants = constants_of(k, heat)
+    G: Array = np.asarray(factor, dtype=float) ** 3 * conductance_of(
+        impact.duration, impact.radius, *constants
+    )
+    return G
+
+
+def constants_of(
+    k: tuple[ArrayLike, ArrayLike], heat: tuple[ArrayLike, ArrayLike]
+) -> tuple[Array, Array, Array]:
+    """Return what Eq. 7 takes of two materials: diffusivity [m2/s] of that of smaller
+    rho c, the smaller rho c over the larger one, both effusivities [W s^0.5/m2/K].
+    """
     (k_i, k_j), (C_i, C_j) = (
         tuple(np.asarray(part, dtype=float) for part in pair) for pair in (k, heat)
     )
-    c = np.asarray(factor, dtype=float)
-    first = C_i <= C_j
-    lean = np.where(first, C_i, C_j)
-    rich = np.where(first, C_j, C_i)
-    k_lean = np.where(first, k_i, k_j)
+    lean = np.minimum(C_i, C_j)
+    diffusivity = np.where(C_i <= C_j, k_i, k_j) / lean
     effusivity = 1.0 / ((C_i * k_i) ** -0.5 + (C_j * k_j) ** -0.5)
-    G: Array = c**3 * conductance_of(
-        impact.duration, impact.radius, k_lean / lean, lean / rich, effusivity
-    )
-    return G
+    return diffusivity, lean / np.maximum(C_i, C_j), effusivity
 
 
 @register_jitable(error_model="numpy")
@@ -145,10 +152,3 @@ def conductance_of(
     # as well
     factor = impact_factor(diffusivity * duration / radius**2, ratio)
     return factor * np.pi * radius**2 * effusivity / _root(duration)
-
-
-def colliding(age: ArrayLike, duration: ArrayLike) -> Flags:
-    """Check whether a contact still is a collision: Eq. 7 holds for its first t_c,
-    Eq. 6 afterwards.
-    """
-    return np.asarray(age, dtype=float) < duration

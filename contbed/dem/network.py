@@ -20,6 +20,7 @@ from scipy.sparse.linalg import splu
 from contbed.arrays import Array
 from contbed.dem.heat import Pairs, total
 from contbed.errors import ConvergenceError, SceneError
+from contbed.solvers.multigrid import aggregation_cycle
 
 # unknowns up to which factors are made: of 10,000 they take 1.1 s, of 40,000 25 s and
 # 1.1 GB
@@ -27,11 +28,7 @@ DIRECT = 5_000
 # residual over load of the iteration; balances of heat close to about 1e-14 then
 TOLERANCE = 1e-13
 MOST_ITERATIONS = 200  # 15 to 22 are needed from 10,000 to 1,000,000 particles
-# a_ij^2 over a_ii a_jj above which two particles are aggregated; 0 takes 2 to 5
-# iterations more
-STRENGTH = 0.05
 MIDDLE = 0.8  # share of the height between the layers in which the slope is taken
-COARSEST = 500  # unknowns that are solved by a pseudo-inverse
 
 Mask = NDArray[np.bool_]
 
@@ -227,20 +224,9 @@ def _solve_by_multigrid(matrix: csr_matrix, load: Array) -> Array:
 
     Source: Vanek, Mandel and Brezina, Computing 56 (1996) 179, doi:10.1007/BF02238511.
     """
-    from pyamg import smoothed_aggregation_solver
     from pyamg.krylov import cg
 
-    cycle = smoothed_aggregation_solver(
-        matrix,
-        symmetry="hermitian",
-        strength=("symmetric", {"theta": STRENGTH}),
-        # local weights need no spectral radius, whose estimate starts at random
-        smooth=("jacobi", {"omega": 4.0 / 3.0, "weighting": "local"}),
-        presmoother=("gauss_seidel", {"sweep": "forward"}),
-        postsmoother=("gauss_seidel", {"sweep": "backward"}),
-        max_coarse=COARSEST,
-        improve_candidates=None,
-    ).aspreconditioner()
+    cycle = aggregation_cycle(matrix, "hermitian", "gauss_seidel")
     columns = []
     for column in load.reshape(len(load), -1).T:
         found, status = cg(

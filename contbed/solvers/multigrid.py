@@ -46,7 +46,6 @@ def two_level(matrix: sp.csr_matrix, vertices: Vertices) -> Callable[[Any], Any]
     Rows are multiplied by the inverse of the fields' block at each node, so that the
     sweeps relax all fields of a node at once.
     """
-    from pyamg import smoothed_aggregation_solver
     from pyamg.relaxation.relaxation import gauss_seidel
 
     up, blocks = vertices.matrix, vertices.fields
@@ -55,18 +54,8 @@ def two_level(matrix: sp.csr_matrix, vertices: Vertices) -> Callable[[Any], Any]
     coarse = (up.T @ (matrix @ up)).tobsr((blocks, blocks))
     coarse.sort_indices()
     down = (up.T @ unscale).tocsr()
-    sweep = "block_gauss_seidel"
-    cycle = smoothed_aggregation_solver(
-        coarse,
-        B=np.tile(np.eye(blocks), (coarse.shape[0] // blocks, 1)),
-        symmetry="nonsymmetric",
-        strength=("symmetric", {"theta": STRENGTH}),
-        smooth=("jacobi", {"omega": 4.0 / 3.0, "weighting": "local"}),
-        presmoother=(sweep, {"sweep": "forward"}),
-        postsmoother=(sweep, {"sweep": "backward"}),
-        max_coarse=COARSEST,
-        improve_candidates=None,
-    ).aspreconditioner()
+    constants = np.tile(np.eye(blocks), (coarse.shape[0] // blocks, 1))
+    cycle = aggregation_cycle(coarse, "nonsymmetric", "block_gauss_seidel", constants)
 
     def apply(rhs: Any) -> Any:
         b, x = scale @ rhs, np.zeros_like(rhs)
@@ -76,6 +65,28 @@ def two_level(matrix: sp.csr_matrix, vertices: Vertices) -> Callable[[Any], Any]
         return x
 
     return apply
+
+
+def aggregation_cycle(
+    matrix: Any, symmetry: str, sweep: str, constants: Any = None
+) -> Any:
+    """Return one cycle of smoothed aggregation as an operator; `constants` are the
+    fields that a matrix without boundaries maps to zero, one of ones if not given.
+    """
+    from pyamg import smoothed_aggregation_solver
+
+    return smoothed_aggregation_solver(
+        matrix,
+        B=constants,
+        symmetry=symmetry,
+        strength=("symmetric", {"theta": STRENGTH}),
+        # local weights need no spectral radius, whose estimate starts at random
+        smooth=("jacobi", {"omega": 4.0 / 3.0, "weighting": "local"}),
+        presmoother=(sweep, {"sweep": "forward"}),
+        postsmoother=(sweep, {"sweep": "backward"}),
+        max_coarse=COARSEST,
+        improve_candidates=None,
+    ).aspreconditioner()
 
 
 def _blocks(matrix: sp.csr_matrix, fields: int) -> tuple[sp.csr_matrix, sp.csr_matrix]:

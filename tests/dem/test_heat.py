@@ -175,7 +175,6 @@ def test_the_factor_of_an_impact():
     # C1 changes its sign here
     through = heat_impact.impact_factor(0.1, np.linspace(0.55, 0.56, 101))
     assert np.abs(np.diff(through, 2)).max() < 1e-6
-    assert list(heat_impact.colliding([0.0, 1.0, 2.0], 1.5)) == [True, True, False]
 
 
 def test_pairs_through_periodic_sides():
