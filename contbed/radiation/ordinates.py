@@ -24,7 +24,7 @@ from contbed.mesh.mesh import Mesh
 from contbed.radiation.equations import p1 as radiation
 from contbed.radiation.equations.ordinates import Ordinates, OrdinatesSolution, Wall
 from contbed.radiation.optics import optics
-from contbed.radiation.problem import power_temperature, span, surface_of
+from contbed.radiation.problem import span, surface_of, temperature_of_medium
 from contbed.radiation.scene import Radiating
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import Options, newton
@@ -210,12 +210,7 @@ class OrdinatesProblem:
         """
         if self.conductivity:
             return self._nodal(state)
-        if self.optics.passive and not self.optics.active:
-            return np.full(
-                self.space.size,
-                power_temperature(self.optics.emission / (4.0 * self.optics.passive)),
-            )
-        return power_temperature(self.incident(state) / 4.0)
+        return temperature_of_medium(self.optics, self.incident(state))
 
     def flux(self, state: Any, probe: Any) -> Any:
         """Return the radiative flux at the points of a probe [W/m2].

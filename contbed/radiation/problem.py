@@ -379,10 +379,7 @@ class RadiationProblem:
         """
         if self.conductivity:
             return self.system.part(state, "T_solid")
-        if self.optics.passive and not self.optics.active:
-            T = power_temperature(self.optics.emission / (4.0 * self.optics.passive))
-            return np.full(self.system.fields["G"][0].size, T)
-        return power_temperature(self.system.part(state, "G") / 4.0)
+        return temperature_of_medium(self.optics, self.incident(state))
 
     def fluxes(self, state: Any) -> dict[str, float]:
         """Return the radiation into the bed through each boundary [W]."""
@@ -417,6 +414,16 @@ class RadiationProblem:
     def released(self, state: Any) -> float:
         """Return what species of given temperature emit less what they absorb [W]."""
         return net_emission(self.optics, self.system, state)
+
+
+def temperature_of_medium(c: Optics, incident: Any) -> Any:
+    """Return the temperatures [K] at which a medium that does not conduct is given, or
+    emits what it absorbs of G [W/m2].
+    """
+    if c.passive and not c.active:
+        T = power_temperature(c.emission / (4.0 * c.passive))
+        return np.full_like(incident, T)
+    return power_temperature(incident / 4.0)
 
 
 def power_temperature(power: Any) -> Any:

@@ -189,9 +189,7 @@ class Samples:
             if before
             else time * (1.0 + TINY)
         )
-        start = (
-            0.0 if self.period is None else np.floor(moment / self.period) * self.period
-        )
+        start = self._begun(moment)
         local = max(time - start, 0.0)
         k = max(int(np.searchsorted(self.times, moment - start, side="right")) - 1, 0)
         if self.form == "step":
@@ -204,6 +202,11 @@ class Samples:
             return self.values[-1]
         share = (local - self.times[k]) / (end - self.times[k])
         return self.values[k] + share * (value - self.values[k])
+
+    def _begun(self, time: float) -> float:
+        """Return when the period of a time began [s]."""
+        period = self.period
+        return 0.0 if period is None else float(np.floor(time / period) * period)
 
     def breaks(self, end: float) -> Iterator[float]:
         """Yield the times in (0, end) at which the value jumps or its slope
@@ -222,11 +225,7 @@ class Samples:
         """Return how far the value at a break lies off the line between its
         neighbours; inf where it may jump.
         """
-        start = (
-            0.0
-            if self.period is None
-            else np.floor(time * (1.0 + TINY) / self.period) * self.period
-        )
+        start = self._begun(time * (1.0 + TINY))
         k = int(np.abs(self.times - (time - start)).argmin())
         if self.form == "step" or not 0 < k < len(self.times) - 1:
             return np.full_like(self.values[0], np.inf)
@@ -248,11 +247,7 @@ class Samples:
         start, end : of a time step [s]
         stages : where a step looks at the series, shares of its length
         """
-        offset = (
-            0.0
-            if self.period is None
-            else np.floor(start * (1.0 + TINY) / self.period) * self.period
-        )
+        offset = self._begun(start * (1.0 + TINY))
         first = int(
             np.searchsorted(self.times, start * (1.0 + SAME) - offset, side="right")
         )
