@@ -84,7 +84,7 @@ $(VENV_DOLFINX)/.test: pyproject.toml
 	  else echo "needed: sudo apt-get install $(SYSTEM_DOLFINX)"; exit 1; fi; fi
 	/usr/bin/python3 -m venv --system-site-packages $(VENV_DOLFINX)
 	/usr/bin/python3 -c "import numpy, scipy; print(f'numpy=={numpy.__version__}\nscipy=={scipy.__version__}')" > $(VENV_DOLFINX)/system.txt
-	$(VENV_DOLFINX)/bin/python -m pip install --quiet --disable-pip-version-check -c $(VENV_DOLFINX)/system.txt -e . 'pytest>=7.4'
+	$(VENV_DOLFINX)/bin/python -m pip install --quiet --disable-pip-version-check -c $(VENV_DOLFINX)/system.txt -e . 'pytest>=8.2'
 	@touch $@
 
 # sdist and wheel in dist/; the wheel is built from the sdist and tried in a clean environment with the locked versions
