@@ -32,16 +32,14 @@ nusselt = "gunn"
 mixing_conductivity = 1e3
 """
 
+CLOSURES = {"bubbles": {"size": "horio_nonaka", "exchange": "sit_grace"}}
+WALLS = {"perimeter": 3.5, "coefficient": 20.0, "temperature": 600.0, "emissivity": 0.8}
+ABOVE = {"freeboard": {"height": 2.0, "walls": WALLS, "temperature_above": 500.0}}
 
-def test_jacobian_is_the_derivative():
-    problem = BubblingProblem(
-        plan(
-            hot(
-                mesh={"cells": 8},
-                bubbles={"size": "horio_nonaka", "exchange": "sit_grace"},
-            )
-        )
-    )
+
+@pytest.mark.parametrize("changes", [CLOSURES, ABOVE], ids=["bed", "freeboard"])
+def test_jacobian_is_the_derivative(changes):
+    problem = BubblingProblem(plan(hot(mesh={"cells": 8}, **changes)))
     random = np.random.default_rng(1)
     state = problem._state(
         problem._start(900.0) * (1 + 0.02 * random.normal(size=problem.system.size))

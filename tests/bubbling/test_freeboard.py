@@ -14,7 +14,6 @@ from scipy.integrate import solve_ivp
 import contbed as cb
 from contbed.bubbling_bed.equations.freeboard import CLEAR, LocalCoefficients
 from contbed.bubbling_bed.plan import plan
-from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.closures.optics import SIGMA
 from contbed.materials import gas_mixture
 
@@ -26,29 +25,6 @@ def column(result, name):
     values = result.profiles[name]
     above = ~np.isnan(values)
     return result.profiles["z [m]"][above] - 0.6, values[above]
-
-
-def test_jacobian_is_the_derivative():
-    scene = hot(
-        freeboard={"height": 2.0, "walls": WALLS, "temperature_above": 500.0},
-        mesh={"cells": 8},
-    )
-    problem = BubblingProblem(plan(scene))
-    random = np.random.default_rng(1)
-    state = problem._state(
-        problem._start(900.0) * (1 + 0.02 * random.normal(size=problem.system.size))
-    )
-    direction = random.normal(size=state.size) * np.abs(state)
-    _, matrix = problem.assemble(state, True)
-    plus, minus = (
-        problem.assemble(state + sign * 1e-6 * direction, False)[0] for sign in (1, -1)
-    )
-    difference = (plus - minus) / 2e-6
-    for name in problem.system.fields:
-        exact, estimate = (
-            problem.system.part(part, name) for part in (matrix @ direction, difference)
-        )
-        assert np.abs(exact - estimate).max() < 1e-7 * np.abs(estimate).max(), name
 
 
 def test_particles_fall_off_exponentially():

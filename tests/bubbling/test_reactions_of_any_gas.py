@@ -7,6 +7,7 @@ from reacting_scenes import tube
 import contbed as cb
 from contbed.chemistry import laws
 from contbed.chemistry.rate_law import RateLaw
+from tests.cases import each_case
 from tests.refusals import refused
 
 T, P, R = 1200.0, 101325.0, 8.31446261815324
@@ -78,15 +79,6 @@ def test_gases_of_the_mechanism():
     assert q["x_C2H4_wet"] > 1e-4
 
 
-@pytest.mark.parametrize(
-    ("table", "said"),
-    [
-        (SHIFT | {"equation": "CO + H2O -> CO2"}, "loses 2 atoms of H"),
-        (SHIFT | {"basis": "bed"}, "give gas, or catalyst or particle"),
-        ({"law": "grain", "equation": "CO + H2O -> CO2 + H2"}, "of reacting solids"),
-        (SHIFT | {"equation": "CO + XY -> CO2"}, "XY is neither a gas of"),
-        (SHIFT | {"basis": "catalyst", "solid": "sand"}, "no such phase"),
-    ],
-)
+@each_case(__file__, "mistakes")
 def test_mistakes(table, said):
     refused(said, tube, MIXTURE, {"shift": table})

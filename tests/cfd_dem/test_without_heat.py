@@ -8,6 +8,7 @@ import pytest
 import contbed as cb
 from contbed.errors import SceneError
 from contbed.loading import loads
+from tests.cases import each_case
 
 RHO, SPEED = 1.25, 4.0
 SCENE = """
@@ -39,26 +40,7 @@ def test_a_jet_by_its_velocity_is_that_by_its_flux_and_coefficients_change_no_fl
     assert [use["kind"] for use in plain.closures] == ["drag"]
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        (JET, "gas = {}", "boundary.jet.gas: give either velocity or mass_flux"),
-        (JET, JET.replace("}", ", mass_flux = 5.0 }"), "either velocity or mass_flux"),
-        (
-            JET,
-            JET.replace("}", ", temperature = 500.0 }"),
-            "differs from that of the gas",
-        ),
-        ("[heat]", "heat = {}", "closures.nusselt: missing; heat (scene.toml:9) needs"),
-        (
-            "seed = 3",
-            "seed = 3, tubes = { one = { diameter = 0.004, centre = [0.006, 0.03] } }",
-            "closures.nusselt: missing; particles.tubes (scene.toml:2) needs",
-        ),
-        ("[heat]", 'closures.nusselt = "gunn"', "gas.conductivity: missing"),
-        ("[heat]", 'closures.nusselt = "gunn"', "glass.conductivity: missing"),
-    ],
-)
+@each_case(__file__, "what_does_not_fit_together_is_named")
 def test_what_does_not_fit_together_is_named(old, new, said):
     text = f"{SCENE}[heat]\n".replace(old, new, 1).replace("[heat]\n", "")
     with pytest.raises(SceneError) as error:

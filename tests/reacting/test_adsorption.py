@@ -6,19 +6,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from adsorption_scenes import CORE, SPEED, TRACE, adsorber, constant_pattern
-from reacting_bed_scenes import P, T, let_move, put, solids
+from adsorption_scenes import SPEED, TRACE, adsorber, constant_pattern
+from reacting_bed_scenes import P, T, let_move, put
 
 import contbed
 from contbed.loading import from_dict
 from contbed.particle.uptake import breakthrough, moving_bed
 from contbed.reacting_bed.plan import plan
 from tests.balances import assert_closed
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import set_keys
 
 CLOSED = 1e-12
-ADSORPTION = "solids.particles.adsorption"
 K = 200.0  # per volume of particles over per volume of gas
 SHARES = np.array([0.5, 0.8, 1.0, 1.2, 1.6])  # of the mean breakthrough
 
@@ -205,47 +205,12 @@ def test_the_plan_chooses_the_cheapest_level(biot, units, level):
     assert "Predicted outlet error" in dict(chosen.built)["adsorption of A"]
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (
-            {f"{ADSORPTION}.B": {"henry": 1e-5, "diffusivity": 1e-6}},
-            "no gas of this name enters, fills the bed or reacts",
-        ),
-        ({"closures": None}, "closures.sherwood: missing; the film around particles"),
-        (
-            {"solids.particles.density": None},
-            "solids.particles.density: missing; loadings are per mass",
-        ),
-        ({"time": None}, "particles at rest take up nothing in a steady state"),
-        (
-            {"initial": None},
-            "particles begin in equilibrium with the gas that fills the bed",
-        ),
-        (
-            {ADSORPTION: {"A": {"capacity": 1.0, "diffusivity": 1e-6}}},
-            "capacity and affinity belong together",
-        ),
-        (
-            {ADSORPTION: {"A": {"diffusivity": 1e-6}}},
-            "give henry, or capacity and affinity",
-        ),
-        (
-            {
-                "solids.particles.constituent": solids()["constituent"],
-                "solids.particles.composition": "S:1",
-                "reactions": {"r": {"equation": "A + S -> A2 + P", **CORE}},
-            },
-            "A is adsorbed by the particles in which it reacts, and shrinking_core has "
-            "a film and a layer of its own",
-        ),
-    ],
-)
-def test_mistakes(change, said):
+@each_case(__file__, "mistakes")
+def test_mistakes(said, changes, without):
     scene, _ = adsorber(K, 20.0, 1.0)
     set_keys(scene, "time.end = 1.0")
     set_keys(scene, "gas.species.A2 = { elements = { C = 1.0 }, molar_mass = 0.044 }")
-    for key, value in change.items():
+    for key, value in (changes | dict.fromkeys(without)).items():
         put(scene, key, value)
     refused(said, lambda: plan(from_dict(scene)))
 

@@ -8,6 +8,7 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
+from reacting_bed_scenes import put
 from several_solids import SHARES, split_pellets
 from solving import solved
 from test_pellets import D_A, REFORMER, R, left, pellets
@@ -15,6 +16,7 @@ from test_pellets import D_A, REFORMER, R, left, pellets
 from contbed.loading import from_dict
 from contbed.plan_text import percent
 from contbed.reacting_bed.plan import plan
+from tests.cases import each_case
 from tests.particle.tables import sphere
 from tests.refusals import refused
 from tests.scene_text import set_keys
@@ -135,43 +137,9 @@ def test_auto_judges_all_kinds(phi, level):
     assert found == solved(scene).qoi["x_A_out"]
 
 
-def diffusivities(scene):
-    return scene["solids"]["fine"]["inside"]["diffusivity"]
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (
-            lambda s: diffusivities(s).pop("B"),
-            r"solids\.fine\.inside\.diffusivity.*: B reacts in",
-        ),
-        (
-            lambda s: diffusivities(s).update(C=1e-6),
-            r"fine\.inside\.diffusivity\.C.*: no reaction in",
-        ),
-        (
-            lambda s: diffusivities(s).clear(),
-            r"solids\.fine\.inside\.diffusivity.*: A reacts in the particles",
-        ),
-        (
-            lambda s: s["reactions"].clear(),
-            r"solids\.fine\.inside\.mass.*: nothing reacts in these particles",
-        ),
-        (
-            lambda s: s["solids"]["fine"]["inside"].update(mass="none"),
-            r"no reaction in particles that are resolved needs it",
-        ),
-        (
-            lambda s: s["solids"]["fine"].update(
-                composition="S:1", constituent={"S": {"molar_mass": 0.1}}
-            ),
-            r"solids\.fine\.inside\..*: resolves catalytic reactions of gases",
-        ),
-    ],
-)
-def test_mistakes(change, said):
-    scene, _ = pellets(1.0)
-    scene = deepcopy(split_pellets(scene))
-    change(scene)
+@each_case(__file__, "mistakes")
+def test_mistakes(said, changes, without):
+    scene = deepcopy(split_pellets(pellets(1.0)[0]))
+    for key, value in (changes | dict.fromkeys(without)).items():
+        put(scene, key, value)
     refused(said, from_dict, scene)

@@ -19,12 +19,12 @@ from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.plan import plan
 from contbed.reacting_bed.radial_need import across
 from contbed.reacting_bed.solve import Report, march
+from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import set_keys
 
 CP, U, RADIUS, T_WALL, K = 30.0, 0.5, 0.05, 800.0, 2.0
 POROSITY, DENSITY, C_SOLID = 0.4, 2000.0, 1000.0
-SECTION = "packed_bed.section"
 
 
 def heated(rings, shape="tube", wall=50.0, conductivity=K, reacts=0.0):
@@ -540,25 +540,9 @@ def test_plan_tells_whether_one_dimension_is_enough():
     assert advised.endswith("Add [packed_bed.section] to resolve it")
 
 
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ({"mesh.diameter": None}, r"mesh\.diameter: missing; the size of the section"),
-        ({f"{SECTION}.conductivity_solids": None}, "no heat passes between the rings"),
-        ({f"{SECTION}.conductivity_solids": 0.0}, "no heat passes between the rings"),
-        (
-            {"closures.nusselt": 10.0},
-            "the wall exchanges heat with the gas, which conducts none to it",
-        ),
-        (
-            {SECTION: None, "boundary.wall.coefficient": "martin_nilles"},
-            r"wall\.coefficient.*which one dimension does not have; add \[packed_bed\.section\]",
-        ),
-        ({f"{SECTION}.conductivity_solids": "zbs"}, "conductivity_solids"),
-    ],
-)
-def test_mistakes(change, sentence):
+@each_case(__file__, "mistakes")
+def test_mistakes(said, changes, without):
     scene = heated(4)
-    for key, value in change.items():
+    for key, value in (changes | dict.fromkeys(without)).items():
         put(scene, key, value)
-    refused(sentence, from_dict, scene)
+    refused(said, from_dict, scene)

@@ -174,21 +174,7 @@ def test_each_error_has_its_exit_code_and_no_traceback(
     assert "Traceback" not in err
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        [],
-        ["frobnicate"],
-        ["run"],
-        ["run", "a", "--bad"],
-        ["converge", "a", "--levels", "1"],
-        ["sweep", "a", "--jobs", "0"],
-        ["check", "scene.toml", "--set", "porosity"],
-        ["explain", "nuselt"],
-        ["plan", "no.toml"],
-        ["sweep", "no.toml"],
-    ],
-)
+@each_case(__file__, "usage_errors_end_with_2")
 def test_usage_errors_end_with_2(scene, capsys, arguments):
     assert cli.main(arguments) == 2
     out, err = capsys.readouterr()

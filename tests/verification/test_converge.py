@@ -15,6 +15,7 @@ from contbed.many.converge import converge
 from contbed.models import MODELS, plan
 from contbed.output.tables import read_table
 from studies._exact.of_plan import exact_profile
+from tests.cases import each_case
 from tests.refusals import refused
 
 STUDY = Path(__file__).parents[2] / "studies" / "pivem_2012" / "slip_0.50.toml"
@@ -283,21 +284,6 @@ def test_closed_form_fits_the_run(changes: list[tuple[str, str]]) -> None:
         assert np.abs(result.profiles[name] - exact).max() < 1e-6
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        [("fixed_temperature = 500", "fixed_temperature = 300")],
-        [("gas.fixed_temperature", "gas.temperature")],
-        [("[solver]", "[boundary.right]\ngas.heat_flux = 10.0\n[solver]")],
-        [("[solver]", "[region.bed]\nsolids.heat_source = 10.0\n[solver]")],
-        [
-            (
-                "heat_capacity = 2000\nconductivity = 0.9",
-                "heat_capacity = [2000, 0.1]\nconductivity = 0.9",
-            )
-        ],
-        [("[solver]", "[initial]\ntemperature = 300\n[time]\nend = 1\n[solver]")],
-    ],
-)
+@each_case(__file__, "no_closed_form")
 def test_no_closed_form(changes: list[tuple[str, str]]) -> None:
     assert exact_profile(made(*changes)) is None

@@ -119,13 +119,6 @@ def test_the_end_of_the_period_is_its_start(tmp_path):
     ] == pytest.approx(1.0, abs=1e-6)
 
 
-def same(one, other):
-    """Both runs have the same results, to the last bit."""
-    assert one.qoi == other.qoi and one.balances == other.balances
-    for name, column in one.profiles.items():
-        np.testing.assert_array_equal(column, other.profiles[name])
-
-
 @pytest.mark.parametrize("moment", [40, 333, 505])
 def test_an_interrupted_cycle_resumes_bit_for_bit(tmp_path, moment):
     """Ctrl-C at a step of the first periods, and of one that repeats steps."""
