@@ -93,7 +93,7 @@ class HeatProblem:
             assert scene.mesh.diameter is not None  # `checks` sees to it
             self.perimeter = 4.0 / scene.mesh.diameter
             self.boundaries.append(SIDE)
-        self.walls = [
+        self.boundary_terms = [
             (name, part, self.build.wall(name, phase, part))
             for name in self.boundaries
             for phase in PHASES
@@ -120,13 +120,15 @@ class HeatProblem:
         """Return the forms of the cells and of all boundaries that heat crosses, with
         the values in place.
         """
-        sides = tuple(wall for name, _, wall in self.walls if self._is_side(name))
+        sides = tuple(
+            wall for name, _, wall in self.boundary_terms if self._is_side(name)
+        )
         interior = replace(self.coefficients, sides=sides, perimeter=self.perimeter)
         return [
             (two_energy.residual, self.system.cells, interior),
             *(
                 (two_energy.boundary, part, wall)
-                for name, part, wall in self.walls
+                for name, part, wall in self.boundary_terms
                 if wall.crossed and not self._is_side(name)
             ),
             *self._carried,
@@ -176,14 +178,14 @@ class HeatProblem:
         """Put temperatures and fluxes of boundaries at interpolation weights in place."""
         assert self.interval is not None
         boundary, walls = self.interval.boundary(weights), []
-        for name, part, wall in self.walls:
+        for name, part, wall in self.boundary_terms:
             phase = wall.name.removeprefix("T_")
             table = boundary.get(name)
             if table is not None and (condition := table.thermal(phase)) is not None:
                 values = self.build.given(phase, condition, wall.inflow is not None)
                 wall = replace(wall, **values)
             walls.append((name, part, wall))
-        self.walls = walls
+        self.boundary_terms = walls
         self._balances = self._heat_balances()
         for nodes, name, phase in self._prescribed:
             prescribed = boundary[name].condition(phase)
@@ -267,7 +269,7 @@ class HeatProblem:
         return any(
             wall.mass_flux is not None
             and np.min(plain(Ops.dot(wall.mass_flux, part.n))) < 0
-            for name, part, wall in self.walls
+            for name, part, wall in self.boundary_terms
             if (name, wall.name) == (boundary, f"T_{phase}")
         )
 
@@ -464,7 +466,7 @@ class HeatProblem:
                     * np.maximum(plain(Ops.dot(wall.mass_flux, part.n)), 0.0)
                 )
             )
-            for (_, part, wall) in self.walls
+            for (_, part, wall) in self.boundary_terms
             if wall.mass_flux is not None
             for phase in PHASES
             if wall.name == f"T_{phase}"
@@ -506,7 +508,7 @@ class HeatProblem:
             name: {"T_fluid": 0.0, "T_solid": 0.0, "wall": 0.0}
             for name in self.boundaries
         }
-        for name, part, wall in self.walls:
+        for name, part, wall in self.boundary_terms:
             if wall.mass_flux is not None:
                 out[name][wall.name] -= self._integral(
                     _stream_above(T_ref), part, wall, state
@@ -528,15 +530,15 @@ class HeatProblem:
             lambda unknowns, ops: function(unknowns, wall, ops), [part], state
         )
 
-    def reactions(self, residual: Any) -> dict[str, float]:
+    def conducted_in(self, residual: Any) -> dict[str, float]:
         """Return the heat that prescribed temperatures conduct into the bed [W] by
         boundary.
 
         It is found from an unconstrained residual.
         """
-        return self.reaction_sums(residual[self.fixed])
+        return self.sums_by_boundary(residual[self.fixed])
 
-    def reaction_sums(self, reaction: Any) -> dict[str, float]:
+    def sums_by_boundary(self, reaction: Any) -> dict[str, float]:
         """Sum of the reactions at the prescribed nodes, by boundary."""
         sums = np.bincount(
             self.fixed_owner, weights=reaction, minlength=len(self.boundaries)

@@ -134,7 +134,7 @@ class HeatCoefficients:
             stabilisation,
         )
 
-    def mode_wall(self, mode: Mode, where: Domain) -> two_energy.Wall | None:
+    def mode_wall(self, mode: Mode, where: Domain) -> two_energy.BoundaryTerms | None:
         """Return what carries a mode through a boundary; particles enter with a
         uniform temperature.
         """
@@ -143,7 +143,7 @@ class HeatCoefficients:
             return None
         enters = np.min(plain(Ops.dot(wall.mass_flux, where.n))) < 0
         capacity = self.medium.solid.heat_capacity
-        return two_energy.Wall(
+        return two_energy.BoundaryTerms(
             mode.name,
             wall.mass_flux,
             None,
@@ -227,7 +227,7 @@ class HeatCoefficients:
             field[self.mesh.skfem.subdomains[name]] += value
         return field
 
-    def wall(self, name: str, phase: str, where: Domain) -> two_energy.Wall:
+    def wall(self, name: str, phase: str, where: Domain) -> two_energy.BoundaryTerms:
         """Return the condition of one phase on a boundary domain."""
         material = getattr(self.medium, phase)
         velocity = self._velocity(phase, where)
@@ -240,7 +240,7 @@ class HeatCoefficients:
                 flux = velocity * self._density(phase)
         condition = self.condition(name, phase)
         if condition is None:
-            return two_energy.Wall(f"T_{phase}", flux, material.enthalpy)
+            return two_energy.BoundaryTerms(f"T_{phase}", flux, material.enthalpy)
         enters = flux is not None and np.min(plain(Ops.dot(flux, where.n))) < 0
         options = self.given(phase, condition, enters)
         if condition.coefficient is not None:
@@ -250,7 +250,9 @@ class HeatCoefficients:
             )
         if condition.emissivity is not None:
             options["emission"] = condition.emissivity * SIGMA
-        return two_energy.Wall(f"T_{phase}", flux, material.enthalpy, **options)
+        return two_energy.BoundaryTerms(
+            f"T_{phase}", flux, material.enthalpy, **options
+        )
 
     def given(
         self, phase: str, condition: s.PhaseCondition, enters: bool

@@ -138,15 +138,15 @@ class Run:
             steps.local.report(plan, self.line)
         if history.steps:
             fluxes = integrated_fluxes(problem, history)
-            reactions = history.reactions(problem)
+            conducted = history.conducted_in(problem)
             source = problem.source() * history.time
             held = problem.throughput() * history.time + problem.capacity()
             result.balances["energy"] = heat_balance(
-                fluxes, reactions, source, history.gain, "J", held
+                fluxes, conducted, source, history.gain, "J", held
             )
         transient_findings(plan, self.line, problem, history, result)
         if history.steps:
-            totals = by_streams(fluxes, reactions)
+            totals = by_streams(fluxes, conducted)
             store_findings(plan, self.line, problem, history, totals, result)
         snapshots = list(history.kept.values())
         if snapshots:

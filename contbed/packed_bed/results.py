@@ -99,7 +99,7 @@ def steady_findings(
     problem: Any,
     state: Any,
     fluxes: Any,
-    reactions: Any,
+    conducted: Any,
     result: Result,
 ) -> None:
     """Fill in profiles, outlet temperatures, equilibrium and the length to reach it."""
@@ -111,7 +111,7 @@ def steady_findings(
     _outlets(leaving, result)
     _exchanger(plan, problem, entering, fluxes, (x, solid - fluid), result)
     heats = {
-        name: value + sum(fluxes[name].values()) for name, value in reactions.items()
+        name: value + sum(fluxes[name].values()) for name, value in conducted.items()
     }
     result.qoi |= {
         f"heat_{plan.as_written(name)}_W": value for name, value in heats.items()
@@ -122,7 +122,7 @@ def steady_findings(
     ):
         if inside in fluxes.get(INSIDE, {}):
             # a boundary may be called so as well
-            result.qoi[f"heat_{inside if inside not in reactions else otherwise}_W"] = (
+            result.qoi[f"heat_{inside if inside not in conducted else otherwise}_W"] = (
                 fluxes[INSIDE][inside]
             )
     result.units |= power_units(result.qoi, plan.scene.mesh)

@@ -174,11 +174,11 @@ def steady_balance(
     """Return heat through boundaries, heat conducted in by prescribed temperatures,
     and their balance.
     """
-    fluxes, reactions = problem.fluxes(state), problem.reactions(residual)
+    fluxes, conducted = problem.fluxes(state), problem.conducted_in(residual)
     balance = heat_balance(
-        fluxes, reactions, problem.source(), 0.0, "W", problem.throughput()
+        fluxes, conducted, problem.source(), 0.0, "W", problem.throughput()
     )
-    return fluxes, reactions, balance
+    return fluxes, conducted, balance
 
 
 def _steady(
@@ -206,16 +206,16 @@ def _steady(
         return better, estimate
     with result.timed("heat"):
         residual, _ = problem.steady(state, False)
-        fluxes, reactions, balance = steady_balance(problem, state, residual)
+        fluxes, conducted, balance = steady_balance(problem, state, residual)
         if (
             abs(balance["relative_residual"])
             > 0.1 * plan.scene.solver.balance_tolerance
         ):
             state, residual = problem.refined(state, plan.policy)
-            fluxes, reactions, balance = steady_balance(problem, state, residual)
+            fluxes, conducted, balance = steady_balance(problem, state, residual)
     with result.timed("results"):
         result.balances["energy"] = balance
-        steady_findings(plan, line, problem, state, fluxes, reactions, result)
+        steady_findings(plan, line, problem, state, fluxes, conducted, result)
         result.solved = Solved(line, problem, state, problem.motion.flow)
         check_state(plan, problem, [state], result)
     return None, estimate

@@ -108,14 +108,14 @@ def report_flow(plan: Plan, line: Line, flow: Any, result: Result) -> None:
 
 
 def heat_balance(
-    fluxes: Any, reactions: Any, source: float, stored: float, unit: str, held: float
+    fluxes: Any, conducted: Any, source: float, stored: float, unit: str, held: float
 ) -> dict[str, Any]:
     """Return the balance of heat through boundaries and into prescribed temperatures.
 
     `held` is the heat that streams and bed hold, the scale of the balance.
     """
     parts = [value for flux in fluxes.values() for value in flux.values()] + list(
-        reactions.values()
+        conducted.values()
     )
     return Balance.of_fluxes(parts, unit, source, stored, HELD_SHARE * held).as_dict()
 

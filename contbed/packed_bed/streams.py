@@ -21,7 +21,9 @@ def streams(problem: Any, state: Any) -> tuple[Streams, Streams]:
     that leave and that enter.
     """
     sums: dict[tuple[str, bool], list[float]] = {}
-    for name, part, wall in sorted(problem.walls, key=lambda item: item[2].name):
+    for name, part, wall in sorted(
+        problem.boundary_terms, key=lambda item: item[2].name
+    ):
         if wall.mass_flux is None:
             continue
         out = problem.system.integrate(
@@ -65,7 +67,7 @@ class Outlets:
                 wall.name.removeprefix("T_"): problem.system.nodes(
                     wall.name, problem.mesh.skfem.boundaries[name]
                 )
-                for name, part, wall in problem.walls
+                for name, part, wall in problem.boundary_terms
                 if wall.mass_flux is not None
                 and wall.name.removeprefix("T_") in leaving
                 and _leaves(part, wall)

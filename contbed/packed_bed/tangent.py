@@ -148,7 +148,7 @@ class _End:
         if self.flow is not None:
             report_flow(self.plan, self.line, self.flow, result)
         if self.problem is not None:
-            fluxes, reactions, _ = steady_balance(
+            fluxes, conducted, _ = steady_balance(
                 self.problem, self.state, self.residual
             )
             steady_findings(
@@ -157,7 +157,7 @@ class _End:
                 self.problem,
                 self.state,
                 fluxes,
-                reactions,
+                conducted,
                 result,
             )
             beyond = overshoot(self.plan, self.problem, [self.state])
@@ -279,7 +279,7 @@ def _require_alike(problem: HeatProblem, base: HeatProblem) -> None:
     kinds = [
         [
             (name, wall.name, wall.mass_flux is None, wall.inflow is None, wall.crossed)
-            for name, _, wall in one.walls
+            for name, _, wall in one.boundary_terms
         ]
         for one in (problem, base)
     ]

@@ -54,7 +54,7 @@ class HeatHistory(History):
     flow: Mapping[str, Any] = field(default_factory=dict)
     vertices: Any = None
 
-    def reactions(self, problem: HeatProblem) -> dict[str, float]:
+    def conducted_in(self, problem: HeatProblem) -> dict[str, float]:
         """Return the heat that prescribed temperatures have conducted in so far by
         boundary [J].
         """
@@ -274,7 +274,7 @@ def _weighted(weights: list[float], values: tuple[Any, ...]) -> Any:
 
 
 def _by_boundary(problem: HeatProblem, reaction: Any) -> Any:
-    return np.array(list(problem.reaction_sums(reaction).values()))
+    return np.array(list(problem.sums_by_boundary(reaction).values()))
 
 
 def integrated_fluxes(

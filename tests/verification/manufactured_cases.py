@@ -140,7 +140,7 @@ class Heat:
         for part in system.boundary("right"):
             c = self.coefficients(system, part)
             for name, phase in (("T_fluid", c.fluid), ("T_solid", c.solid)):
-                wall = two_energy.Wall(
+                wall = two_energy.BoundaryTerms(
                     name,
                     phase.mass_flux,
                     phase.enthalpy,

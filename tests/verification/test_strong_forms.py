@@ -116,7 +116,9 @@ def test_two_energy(name: str) -> None:
                 + o.grad(known[other]) * cross
             )
             flux = o.dot(conducted, part.n).value
-            wall = two_energy.Wall(field, phase.mass_flux, phase.enthalpy, flux=flux)
+            wall = two_energy.BoundaryTerms(
+                field, phase.mass_flux, phase.enthalpy, flux=flux
+            )
             forms.append((two_energy.boundary, part, wall))
     weak = Manufactured(system, fields, forms).load()
     strong = heat_strong(case, m.dim(), c, system.cells.x.items)
@@ -255,7 +257,7 @@ def test_divergence_of_a_computed_velocity_does_not_heat(
                 (
                     two_energy.boundary,
                     part,
-                    two_energy.Wall(name, phase.mass_flux, phase.enthalpy),
+                    two_energy.BoundaryTerms(name, phase.mass_flux, phase.enthalpy),
                 )
             )
     residual = system.assemble(forms, np.full(system.size, 1.7), False)[0]

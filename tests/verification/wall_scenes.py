@@ -224,6 +224,6 @@ def heats(problem: HeatProblem, state: Any) -> dict[str, float]:
     """Return the heat into the bed through each boundary [W]."""
     fluxes, reactions = (
         problem.fluxes(state),
-        problem.reactions(problem.steady(state, False)[0]),
+        problem.conducted_in(problem.steady(state, False)[0]),
     )
     return {name: reactions[name] + sum(fluxes[name].values()) for name in reactions}

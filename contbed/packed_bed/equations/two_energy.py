@@ -98,7 +98,7 @@ class Coefficients:
     # (1-eps) rho_s as a function of T_solid [kg/m3], for the modes
     capacity: Any = None
     # heat through the side of a line, and the area of the side per volume [1/m]
-    sides: tuple[Wall, ...] = ()
+    sides: tuple[BoundaryTerms, ...] = ()
     perimeter: float = 0.0
 
 
@@ -229,7 +229,7 @@ def storage(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class Wall:
+class BoundaryTerms:
     """One phase on one boundary domain; heat fluxes are counted into the bed."""
 
     name: str
@@ -255,7 +255,7 @@ class Wall:
         )
 
 
-def boundary(unknowns: Any, tests: Any, c: Wall, o: Any) -> Any:
+def boundary(unknowns: Any, tests: Any, c: BoundaryTerms, o: Any) -> Any:
     """Return the weak form of convection through a boundary, prescribed flux and
     wall coefficient.
     """
@@ -264,7 +264,7 @@ def boundary(unknowns: Any, tests: Any, c: Wall, o: Any) -> Any:
     )
 
 
-def convected(unknowns: Any, c: Wall, o: Any) -> Any:
+def convected(unknowns: Any, c: BoundaryTerms, o: Any) -> Any:
     """Return the heat carried out of the bed by the stream [W/m2]."""
     if c.mass_flux is None:
         return 0.0
@@ -277,7 +277,7 @@ def convected(unknowns: Any, c: Wall, o: Any) -> Any:
     return o.dot(c.mass_flux, o.n) * enthalpy
 
 
-def supplied(unknowns: Any, c: Wall, o: Any) -> Any:
+def supplied(unknowns: Any, c: BoundaryTerms, o: Any) -> Any:
     """Return the heat given to the bed by flux, wall coefficient and radiation from
     the surroundings [W/m2].
     """
