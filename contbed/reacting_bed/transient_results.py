@@ -12,7 +12,7 @@ from contbed.reacting_bed import results
 from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.history import BedHistory
-from contbed.reacting_bed.of_columns import column_findings
+from contbed.reacting_bed.of_columns import column_findings, early_fronts
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage
 from contbed.reacting_bed.swings import largest_swing, unresolved_front
@@ -46,7 +46,9 @@ def fill(course: Course, history: BedHistory, result: Result) -> None:
     worst = max(swings, key=lambda each: each.size)
     result.warnings += unresolved_front(problem, worst)
     result.tables["outlet"] = history.table()
-    result.qoi |= column_findings(course, history)
+    columns = column_findings(course, history)
+    result.warnings += early_fronts(course, columns)
+    result.qoi |= columns
     result.qoi |= {
         "time_steps": history.steps,
         "time_reached_s": history.time,

@@ -34,6 +34,28 @@ def test_a_straight_isotherm_breaks_through_as_its_closed_form():
     assert qoi["capacity_used_A"] == pytest.approx(used / whole, rel=3e-3)
 
 
+@pytest.mark.parametrize("K", [40.0, 400.0])
+def test_gas_in_the_voids_that_is_left_out_is_told(K):
+    """The front comes early by the residence of the gas, EPS/SPEED for 1 m: EPS over
+    0.6 K of the time of a straight isotherm, 1.7 % and 0.17 %.
+    """
+    delay, times = EPS / SPEED, []
+    scene, _ = adsorber(K, 20.0, 1.0)
+    set_keys(scene, 'solids.particles.inside = { adsorption = "film" }')
+    scene["time"] |= {"end": 130.0 * delay * K / 40.0, "tolerance": 1e-3}
+    set_keys(scene, "mesh.cells = 10")
+    for storage in ("auto", "stored"):
+        set_keys(scene, f'packed_bed.gas_storage = "{storage}"')
+        result = solved(scene)
+        times.append(result.qoi["breakthrough_50_A_s"])
+        told = [text for text in result.warnings if "give packed_bed.gas_st" in text]
+        expected = storage == "auto" and K < 100.0
+        assert len(told) == int(expected)
+        if expected:
+            assert f"{delay:.3g} s early" in told[0]
+    assert times[1] - times[0] == pytest.approx(delay, rel=0.1)
+
+
 def test_a_langmuir_front_has_the_length_of_its_constant_pattern():
     units, capacity = 12.0, 1.25
     scene, unit = adsorber(200.0, units, 1.0, capacity)
