@@ -185,21 +185,6 @@ class Memory:
         user: Entries = self.side.bodies.user
         return user
 
-    @property
-    def bytes(self) -> int:
-        """Size of all arrays; the operating system gives memory only to the part
-        that is in use.
-        """
-        parts: list[Any] = [self.side, self.other, self.room, self.sums]
-        found: dict[int, int] = {}
-        while parts:
-            part = parts.pop()
-            if isinstance(part, np.ndarray):
-                found[part.ctypes.data] = part.nbytes
-            elif isinstance(part, tuple):
-                parts += part
-        return sum(found.values())
-
     def start(self) -> None:
         """Begin with the order of the user and an empty list."""
         self.write(nothing_listed(len(self._given.radius)))

@@ -31,6 +31,7 @@ from contbed.two_fluid.conditions import (
     Outlet,
     Periodic,
     Wall,
+    of_kind,
     places,
 )
 from contbed.two_fluid.heat.checks import HEAT_CHECKS
@@ -316,8 +317,8 @@ def fractions_fit(
             yield ("initial", "layer", k, *key), too_dense
         if layer.start >= layer.end:
             yield ("initial", "layer", k, "end"), "is not above start"
-    for name, part in boundary.items():
-        if isinstance(part, Inlet) and part.solid.volume_fraction > solid.packing_limit:
+    for name, part in of_kind(boundary, Inlet).items():
+        if part.solid.volume_fraction > solid.packing_limit:
             yield (
                 ("boundary", name, *key),
                 f"denser than the densest packing; see {known}",
@@ -340,9 +341,7 @@ def boundaries_are_complete(
         if isinstance(mesh, meshes.MeshFile)
         else tuple(name for pair in mesh.sides for name in pair)
     )
-    partners = {
-        part.partner for part in boundary.values() if isinstance(part, Periodic)
-    }
+    partners = {part.partner for part in of_kind(boundary, Periodic).values()}
     for name, part in boundary.items():
         where = ("boundary", name)
         whole = getattr(part, "on", None)
@@ -416,8 +415,8 @@ def _feed_is_complete(where: KeyPath, inlet: Inlet) -> Mistakes:
 
 def what_enters_can_leave(boundary: dict[str, Boundary]) -> Mistakes:
     """Check that there is an outlet where something enters."""
-    inlets = [name for name, part in boundary.items() if isinstance(part, Inlet)]
-    if inlets and not any(isinstance(part, Outlet) for part in boundary.values()):
+    inlets = list(of_kind(boundary, Inlet))
+    if inlets and not of_kind(boundary, Outlet):
         yield (
             ("boundary", inlets[0]),
             "enters but nothing leaves; one boundary has to be of type 'outlet'",
@@ -426,10 +425,9 @@ def what_enters_can_leave(boundary: dict[str, Boundary]) -> Mistakes:
 
 def inlets_blow(boundary: dict[str, Boundary]) -> Mistakes:
     """Check that the velocity of an inlet without particles is given."""
-    for name, part in boundary.items():
-        if not isinstance(part, Inlet) or part.solid.volume_fraction > 0.0:
-            continue
-        if "velocity" not in part.gas.model_fields_set:
+    for name, part in of_kind(boundary, Inlet).items():
+        is_known = "velocity" in part.gas.model_fields_set
+        if part.solid.volume_fraction == 0.0 and not is_known:
             yield (
                 ("boundary", name, "gas", "velocity"),
                 "missing; nothing enters (a closed boundary has type = 'wall')",
@@ -438,8 +436,8 @@ def inlets_blow(boundary: dict[str, Boundary]) -> Mistakes:
 
 def pulses_end_in_an_inlet(boundary: dict[str, Boundary]) -> Mistakes:
     """Check that an inlet that ends is a piece of one that does not."""
-    for name, part in boundary.items():
-        if isinstance(part, Inlet) and part.until is not None:
+    for name, part in of_kind(boundary, Inlet).items():
+        if part.until is not None:
             whole = boundary.get(part.on or "")
             if not isinstance(whole, Inlet) or whole.until is not None:
                 yield (

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import Field
 
@@ -256,6 +256,14 @@ class Outlet(Part):
 Boundary = Annotated[
     Wall | Symmetry | Periodic | Inlet | Outlet, Field(discriminator="type")
 ]
+
+
+Kind = TypeVar("Kind", bound=Table)
+
+
+def of_kind(boundary: Mapping[str, Any], kind: type[Kind]) -> dict[str, Kind]:
+    """Return the boundaries of one type by their names."""
+    return {name: part for name, part in boundary.items() if isinstance(part, kind)}
 
 
 def places(

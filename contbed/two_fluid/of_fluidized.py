@@ -11,7 +11,7 @@ import numpy as np
 
 from contbed.two_fluid.boundary import GIVEN
 from contbed.two_fluid.closures import ABSENT, bound, constants
-from contbed.two_fluid.conditions import Inlet
+from contbed.two_fluid.conditions import Inlet, of_kind
 
 if TYPE_CHECKING:
     from contbed.closures.binding import BoundClosure
@@ -61,7 +61,7 @@ def fluidized_findings(
 
 def is_fluidized(scene: TwoFluidScene) -> bool:
     """Whether an inlet of gas blows through particles that have drag and weight."""
-    inlets = [each for each in scene.boundary.values() if isinstance(each, Inlet)]
+    inlets = of_kind(scene.boundary, Inlet).values()
     blown = any(each.gas.velocity > 0.0 for each in inlets)
     return blown and scene.closures.drag != ABSENT and scene.two_fluid.gravity > 0.0
 

@@ -24,7 +24,15 @@ from contbed.two_fluid import (
 )
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, bound, dissipative_restitution
-from contbed.two_fluid.conditions import Initial, Inlet, Layer, Outlet, Periodic, Wall
+from contbed.two_fluid.conditions import (
+    Initial,
+    Inlet,
+    Layer,
+    Outlet,
+    Periodic,
+    Wall,
+    of_kind,
+)
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.model import Materials, Options, build_model
 from contbed.two_fluid.place import ONE_PROCESS, Place
@@ -194,9 +202,7 @@ def _steps(scene: t.TwoFluidScene) -> str:
 def periodic_pairs(scene: t.TwoFluidScene) -> list[tuple[str, str]]:
     """Return the pairs of periodic boundaries."""
     return [
-        (name, part.partner)
-        for name, part in scene.boundary.items()
-        if isinstance(part, Periodic)
+        (name, part.partner) for name, part in of_kind(scene.boundary, Periodic).items()
     ]
 
 

@@ -13,7 +13,7 @@ from contbed.errors import ConvergenceError
 from contbed.two_fluid import scene as t
 from contbed.two_fluid import wall_shear
 from contbed.two_fluid.boundary import GIVEN, OUTLET
-from contbed.two_fluid.conditions import Inlet, Outlet, SolidAtInlet, Wall
+from contbed.two_fluid.conditions import Inlet, Outlet, SolidAtInlet, Wall, of_kind
 from contbed.two_fluid.end_pressure import end_faces
 from contbed.two_fluid.heat.checks import MAX_TEMPERATURE
 
@@ -40,8 +40,7 @@ def largest_speed(scene: t.TwoFluidScene, bed: Simulation) -> float:
     pressures outside drives.
     """
     grid, edge, start = bed.model.grid, bed.model.edge, scene.initial
-    parts = scene.boundary.values()
-    inlets = [part for part in parts if isinstance(part, Inlet)]
+    inlets = of_kind(scene.boundary, Inlet).values()
     height = float(np.ptp(grid.centres[:, -1]))
     blown = max((part.gas.velocity for part in inlets), default=0.0) / (
         1.0 - scene.solid.packing_limit
@@ -61,18 +60,11 @@ def largest_speed(scene: t.TwoFluidScene, bed: Simulation) -> float:
         for part in start.parts
         for value in (part.gas.velocity or 0.0, part.solid.velocity or 0.0)
     )
-    walls = max(
-        (abs(v) for part in parts if isinstance(part, Wall) for v in part.velocity),
-        default=0.0,
-    )
+    moving = of_kind(scene.boundary, Wall).values()
+    walls = max((abs(v) for part in moving for v in part.velocity), default=0.0)
     at_start = (part.solid.granular_temperature or 0.0 for part in start.parts)
     theta = max(*at_start, *(solid.granular_temperature for solid in entering), 0.0)
-    outside = [part.gas.pressure for part in parts if isinstance(part, Outlet)]
-    driven = (
-        (2.0 * (max(outside) - min(outside)) / scene.fluid.density) ** 0.5
-        if outside
-        else 0.0
-    )
+    driven = (2.0 * _pressure_outside(scene) / scene.fluid.density) ** 0.5
     fall = (2.0 * scene.two_fluid.gravity * height) ** 0.5
     if not len(end_faces(grid, -1)):
         fall = scene.two_fluid.gravity * scene.time.end
@@ -99,11 +91,8 @@ def given_temperatures(scene: t.TwoFluidScene) -> list[float]:
     """Return the temperatures [K] that the scene gives to initial fields and
     boundaries.
     """
-    walls = [
-        part.temperature for part in scene.boundary.values() if isinstance(part, Wall)
-    ]
-    streams = [part for part in scene.boundary.values() if isinstance(part, Inlet)]
-    values = list(walls)
+    streams = of_kind(scene.boundary, Inlet).values()
+    values = [part.temperature for part in of_kind(scene.boundary, Wall).values()]
     for part in (*scene.initial.parts, *streams):
         values += [part.gas.temperature, part.solid.temperature]
     return [value for value in values if value is not None]
@@ -133,13 +122,15 @@ def largest_pressure_drop(
         default=np.inf,
     )
     friction = 12.0 * materials.mu_gas * speed * height / width**2
-    outside = [
-        part.gas.pressure
-        for part in scene.boundary.values()
-        if isinstance(part, Outlet)
-    ]
-    driven = max(outside) - min(outside) if outside else 0.0
-    return weight + 0.5 * (solids + materials.rho_gas) * speed**2 + friction + driven
+    dynamic = 0.5 * (solids + materials.rho_gas) * speed**2
+    return weight + dynamic + friction + _pressure_outside(scene)
+
+
+def _pressure_outside(scene: t.TwoFluidScene) -> float:
+    """Return the largest difference of the pressures at outlets [Pa]."""
+    outlets = of_kind(scene.boundary, Outlet).values()
+    outside = [part.gas.pressure for part in outlets]
+    return max(outside) - min(outside) if outside else 0.0
 
 
 def require_possible(scene: t.TwoFluidScene, bed: Simulation, speed: float) -> None:
@@ -182,9 +173,7 @@ def _temperature_bounds(scene: t.TwoFluidScene) -> tuple[float, float]:
     span; with sources any above 0 K.
     """
     given = given_temperatures(scene)
-    sources = any(
-        isinstance(part, Wall) and part.heat_flux for part in scene.boundary.values()
-    )
+    sources = any(part.heat_flux for part in of_kind(scene.boundary, Wall).values())
     if sources or not given:
         return 0.0, MAX_TEMPERATURE
     span = max(max(given) - min(given), 0.1 * max(given))

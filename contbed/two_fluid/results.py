@@ -18,7 +18,7 @@ from contbed.two_fluid.closures import (
     MIN_REPORTED_FRACTION,
     dissipative_restitution,
 )
-from contbed.two_fluid.conditions import Wall
+from contbed.two_fluid.conditions import Wall, of_kind
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.of_fluidized import SPECTRUM, fluidized_findings
 from contbed.two_fluid.simulation import Simulation
@@ -357,8 +357,8 @@ def _shear(scene: t.TwoFluidScene, plan: Any) -> float:
     """Rate of shear between two walls that move [1/s], or of the start."""
     moving = [
         part.velocity[0]
-        for part in scene.boundary.values()
-        if isinstance(part, Wall) and part.velocity
+        for part in of_kind(scene.boundary, Wall).values()
+        if part.velocity
     ]
     if len(moving) == 2:
         return abs(moving[0] - moving[1]) / float(np.ptp(plan.mesh.skfem.p[-1]))

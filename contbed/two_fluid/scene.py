@@ -48,7 +48,7 @@ from contbed.scene.quantities import (
 )
 from contbed.scene.solids import SolidPhase, one_solid
 from contbed.scene.tables import BalancedRun, NonNegativeOrClosure, SceneBase
-from contbed.two_fluid.conditions import Boundary, Initial, Inlet
+from contbed.two_fluid.conditions import Boundary, Initial, Inlet, of_kind
 
 if TYPE_CHECKING:
     from contbed.materials.constants import Constants
@@ -299,9 +299,8 @@ def fluid_of(
     """
     from contbed.materials.constants import constants_of
 
-    entering = [
-        part.gas.temperature for part in boundary.values() if isinstance(part, Inlet)
-    ]
+    inlets = of_kind(boundary, Inlet).values()
+    entering = [part.gas.temperature for part in inlets]
     given = (gas.reference_temperature, initial.gas.temperature, *entering)
     T = next((T for T in given if T is not None), None)
     return constants_of(gas, T, base)

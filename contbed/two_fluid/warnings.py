@@ -21,6 +21,7 @@ from contbed.two_fluid.conditions import (
     Outlet,
     Periodic,
     Wall,
+    of_kind,
 )
 from contbed.two_fluid.filters import unlike_the_cells
 
@@ -46,12 +47,8 @@ def times_are_within_the_run(
                 ("time", key),
                 f"longer than the run of {time.end:g} s: written at its end",
             )
-    for name, part in boundary.items():
-        if (
-            isinstance(part, Inlet)
-            and part.until is not None
-            and part.until >= time.end
-        ):
+    for name, part in of_kind(boundary, Inlet).items():
+        if part.until is not None and part.until >= time.end:
             yield (
                 ("boundary", name, "until"),
                 f"is not before the end of the run, {time.end:g} s, so that "
@@ -86,7 +83,7 @@ def gas_enters_and_carries(
     closures: t.Closures,
 ) -> Mistakes:
     """Look for inlets without flow, and gas that does not move the particles."""
-    inlets = {name: part for name, part in boundary.items() if isinstance(part, Inlet)}
+    inlets = of_kind(boundary, Inlet)
     for name, part in inlets.items():
         if part.gas.velocity == 0.0 and part.solid.volume_fraction == 0.0:
             yield (
@@ -115,10 +112,9 @@ def walls_slip(closures: t.Closures, boundary: Mapping[str, Boundary]) -> Mistak
         for key in KINDS
         if key.startswith("wall_") and getattr(closures, key) != ABSENT
     ]
-    walls = {name: part for name, part in boundary.items() if isinstance(part, Wall)}
     rough = [
         name
-        for name, wall in walls.items()
+        for name, wall in of_kind(boundary, Wall).items()
         if wall.gas.wall != "slip" or wall.solid.wall != "slip"
     ]
     if rough:
@@ -138,8 +134,7 @@ def something_holds_the_particles(
     """
     joined = {
         side
-        for name, part in boundary.items()
-        if isinstance(part, Periodic)
+        for name, part in of_kind(boundary, Periodic).items()
         for side in (name, part.partner)
     }
     others = [part for part in boundary.values() if not isinstance(part, Periodic)]
@@ -285,9 +280,7 @@ def _gas_expands_at_once(
 
     fluid, start, d_p = scene.fluid, scene.initial, scene.solid.diameter
     assert fluid.heat_capacity is not None and fluid.conductivity is not None
-    inlets = [
-        part.gas.velocity for part in scene.boundary.values() if isinstance(part, Inlet)
-    ]
+    inlets = [part.gas.velocity for part in of_kind(scene.boundary, Inlet).values()]
     usual = (
         max(inlets, default=0.0) + (2.0 * scene.two_fluid.gravity * (high - low)) ** 0.5
     )
@@ -330,11 +323,8 @@ def _has_particles(initial: Initial, boundary: Mapping[str, Boundary]) -> bool:
         initial.solid.volume_fraction,
         *(layer.solid.volume_fraction or 0.0 for layer in initial.layer),
     )
-    entering = (
-        part.solid.volume_fraction
-        for part in boundary.values()
-        if isinstance(part, Inlet)
-    )
+    inlets = of_kind(boundary, Inlet).values()
+    entering = (part.solid.volume_fraction for part in inlets)
     return any(start) or any(entering)
 
 

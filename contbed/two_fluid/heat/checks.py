@@ -21,6 +21,7 @@ from contbed.two_fluid.conditions import (
     Periodic,
     Symmetry,
     Wall,
+    of_kind,
     places,
 )
 from contbed.two_fluid.heat.wall_laws import (
@@ -53,25 +54,26 @@ def heat_is_complete(
         return
     if initial.gas.temperature is None:
         yield ("initial", "gas", "temperature"), "missing; [heat] needs it"
-    for name, part in boundary.items():
-        if isinstance(part, Inlet) and part.gas.temperature is None:
+    for name, part in of_kind(boundary, Inlet).items():
+        if part.gas.temperature is None:
             gas_enters = part.gas.velocity > 0
             if gas_enters or part.solid.temperature is None:
                 yield (
                     ("boundary", name, "gas", "temperature"),
                     "missing; [heat] needs it",
                 )
-        if isinstance(part, Wall) and part.temperature is None:
+    for name, wall in of_kind(boundary, Wall).items():
+        if wall.temperature is None:
             for key in ("wall_heat", "emissivity"):
-                if getattr(part, key) is not None:
+                if getattr(wall, key) is not None:
                     yield ("boundary", name, key), "has no meaning without temperature"
-        if isinstance(part, Wall) and part.temperature is not None:
-            if part.heat_flux is not None:
+        else:
+            if wall.heat_flux is not None:
                 yield (
                     ("boundary", name, "heat_flux"),
                     "give either temperature or heat_flux",
                 )
-            choice = closures.wall_heat if part.wall_heat is None else part.wall_heat
+            choice = closures.wall_heat if wall.wall_heat is None else wall.wall_heat
             if is_layer(choice) and not conducts(closures, two_fluid):
                 text = (
                     "heats nothing without closures.conductivity_bed, "
@@ -206,9 +208,8 @@ def radiation_has_both_sides(
     ((name, solid),) = solids.items()
     if heat is None:
         return
-    for side, part in boundary.items():
-        radiates = isinstance(part, Wall) and part.emissivity is not None
-        if radiates and solid.emissivity is None:
+    for side, part in of_kind(boundary, Wall).items():
+        if part.emissivity is not None and solid.emissivity is None:
             text = f"needs solids.{name}.emissivity"
             yield ("boundary", side, "emissivity"), text
 

@@ -16,7 +16,7 @@ from contbed.closures.optics import (
 from contbed.scene.tables import Closure
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.compiled import Array
-from contbed.two_fluid.conditions import Boundary, Wall
+from contbed.two_fluid.conditions import Boundary, Wall, of_kind
 
 KIND = "bed_tube"
 PENETRATION = "penetration"
@@ -64,8 +64,8 @@ def specs(closures: t.Closures, boundary: dict[str, Boundary]) -> dict[str, Any]
     """
     own = {
         name: part.wall_heat
-        for name, part in boundary.items()
-        if isinstance(part, Wall) and part.wall_heat is not None
+        for name, part in of_kind(boundary, Wall).items()
+        if part.wall_heat is not None
     }
     return {EVERYWHERE: closures.wall_heat, **own}
 
