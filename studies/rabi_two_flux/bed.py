@@ -34,7 +34,7 @@ from contbed.mesh.build import build
 from contbed.mesh.grading import graded
 from contbed.scene.mesh import MeshLine
 from contbed.solvers.linear import Policy, Solver
-from contbed.solvers.newton import newton
+from contbed.solvers.newton import Options, newton
 
 HERE = Path(__file__).parent
 NAMES = ("char", "limestone", "inert")
@@ -274,9 +274,8 @@ class Bed:
         if self.diffusion:
             self.system.part(state, "G")[:] = 4 * power(START)
         none = np.empty(0, dtype=np.int64)
-        state, _ = newton(
-            self.assemble, state, none, Policy(1), iterations=60, lower=0.0, what="bed"
-        )
+        options = Options(iterations=60, lower=0.0, what="bed")
+        state, _ = newton(self.assemble, state, none, Policy(1), options)
         # steps with the matrix of the solution itself close the balances to round-off
         for _ in range(3):
             residual, matrix = self.assemble(state, True)
