@@ -444,7 +444,8 @@ def plan(scene: s.Scene) -> Plan:
         name: role_in_flow(target, mesh, name, velocity) for name in mesh.boundaries
     }
     plug = is_plug_flow(target, mesh, conditions, velocity)
-    coordinate = ("rz" if mesh.axisymmetric else "xyz")[mesh.axis]
+    of_line = "z" if isinstance(scene.mesh, MeshAxisymmetric) else "xyz"
+    coordinate = ("rz" if mesh.axisymmetric else of_line)[mesh.axis]
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
     built.append(
         (
