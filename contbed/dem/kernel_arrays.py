@@ -116,11 +116,13 @@ class Pairs(NamedTuple):
     later block, each sorted by row; of zone z of a block the first `used[z, block]` of
     `room[z]` places hold pairs.
 
-    row, entry (m,) : i, and j as `neighbours` says spring (m, 3) : tangential
-    displacement [m]; onset (m, 2) : number of the step of first touch, normal impact
-    speed [m/s]; both meaningful for closed contacts only start, stop (2, n) : those of
-    row i in zone z are the places from `start[z, i]` to before `stop[z, i]` listed (n,
-    3) : positions for which the list was made [m]
+    row, entry (m,) : i, and j as `neighbours` says
+    spring (m, 3) : tangential displacement [m];
+    onset (m, 2) : number of the step of first touch, normal impact speed [m/s]; both
+        meaningful for closed contacts only
+    start, stop (2, n) : those of row i in zone z are the places from `start[z, i]` to
+        before `stop[z, i]`
+    listed (n, 3) : positions for which the list was made [m]
     """
 
     room: tuple[int, int]
@@ -165,8 +167,9 @@ class Crossing(NamedTuple):
     adds to particles of its own block.
 
     carried (m, 7) : force [N], torque [N m] and heat [W] on j by place in the zones
-    across blocks; zero while open start (n + 1,), slot (m,) : the places that belong to
-    particle j are `slot[start[j]:start[j + 1]]`
+        across blocks; zero while open
+    start (n + 1,), slot (m,) : the places that belong to particle j are
+        `slot[start[j]:start[j + 1]]`
     """
 
     carried: Array

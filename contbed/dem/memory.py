@@ -67,9 +67,11 @@ class Record(NamedTuple):
     """What a step depends on besides positions, velocities and temperatures, in the
     order of memory.
 
-    user (n,) : index of each particle for the user load (n, 6), listed (n, 3) : force
-    and torque [N, N m], positions when the list was made [m] row, entry (e,) : the
-    Verlet list; spring (c, 3) [m] and onset (c, 2) of its closed contacts
+    user (n,) : index of each particle for the user
+    load (n, 6), listed (n, 3) : force and torque [N, N m], positions when the list was
+        made [m]
+    row, entry (e,) : the Verlet list; spring (c, 3) [m] and onset (c, 2) of its closed
+        contacts
     wall_particle, wall (k,), wall_spring (k, 3), wall_onset (k, 2) : particles near to
     walls
     """

@@ -30,10 +30,12 @@ class Moved(NamedTuple):
     """The solids after a step.
 
     eps_s (nc,), rate_eps_s (nc, 1) [1/s] : new fraction; its rate of change, convection
-    left out flux, flux_gas (nf,) [m3/s] : volume fluxes of solids and gas in the step
+        left out
+    flux, flux_gas (nf,) [m3/s] : volume fluxes of solids and gas in the step
     compaction_velocity (nf,) [m/s] : velocity that the implicit solids pressure gives
-    the particles upwind_cells (nc,) : cells that lost many of their particles; they
-    give their own values to all faces
+        the particles
+    upwind_cells (nc,) : cells that lost many of their particles; they give their own
+        values to all faces
     """
 
     eps_s: Array

@@ -139,8 +139,9 @@ def max_heating_rate(
     out.
 
     links (nc,) [1/m2] : sum of area over distance of the interior faces of a cell, over
-    its volume theta (nc,) : new granular temperature; mu (nc,) : kinetic
-    viscosity [Pa s]
+        its volume
+    theta (nc,) : new granular temperature;
+    mu (nc,) : kinetic viscosity [Pa s]
     """
     s, rho_s = particles.eps_s, particles.rho
     fastest = 0.0

@@ -47,8 +47,8 @@ class Phase(NamedTuple):
     side, slip : conditions at the boundary, and the share of the tangential velocity
         that walls leave
     u, rate, force, source (nc, dim) : velocity, its rate without convection,
-    accelerations of the last step and given first_order (nc,) : cells that give their
-    own value to all faces
+        accelerations of the last step and given
+    first_order (nc,) : cells that give their own value to all faces
     """
 
     name: str
@@ -80,10 +80,11 @@ class Predicted(NamedTuple):
     """One phase after convection and stress.
 
     h (nc, dim) [m/s] : H, the velocity after convection and stress, without pressure,
-    drag and gravity gradient (nc, dim, dim) [1/s] : of the velocity at the start of the
-    step convected (nc, dim) [m/s2] : rate of change by convection shear_production
-    (nc,) [W] : production of granular energy by the stress slip (nb,) : share of the
-    tangential velocity that walls leave
+        drag and gravity
+    gradient (nc, dim, dim) [1/s] : of the velocity at the start of the step
+    convected (nc, dim) [m/s2] : rate of change by convection
+    shear_production (nc,) [W] : production of granular energy by the stress
+    slip (nb,) : share of the tangential velocity that walls leave
     wall_force [N] : of the walls along the last axis
     """
 

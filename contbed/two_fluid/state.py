@@ -57,8 +57,9 @@ class Memory(NamedTuple):
     1) [m2/s3] : rates of change
         without convection, for the predictor of half a step
     force_gas, force_solid (nc, dim) [m/s2] : accelerations by pressure, drag and
-    gravity face_residual (nf,) [m/s] : normal velocity of the gas less the interpolated
-    cell velocity, as in Rhie-Chow
+        gravity
+    face_residual (nf,) [m/s] : normal velocity of the gas less the interpolated cell
+        velocity, as in Rhie-Chow
     gradients : of the forces, with which the next step extrapolates boundary values
     heating_rate [1/s] : 1 over the longest step that is stable with the heat of
         compression and shear

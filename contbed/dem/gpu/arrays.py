@@ -48,10 +48,12 @@ class Lists(NamedTuple):
     """Neighbours of each particle and the histories of its contacts, by place in its
     list and particle.
 
-    listed (n, 3) : positions for which the list was made [m] neighbours (n,) : how many
-    entry (room, n) : as `neighbours` says, ascending for each particle spring (room, 3,
-    n) : displacement [m] of the one of lower index against the other; onset (room, 2,
-    n) : step of the first touch, normal impact speed [m/s]; of closed contacts
+    listed (n, 3) : positions for which the list was made [m]
+    neighbours (n,) : how many
+    entry (room, n) : as `neighbours` says, ascending for each particle
+    spring (room, 3, n) : displacement [m] of the one of lower index against the other;
+    onset (room, 2, n) : step of the first touch, normal impact speed [m/s]; of closed
+        contacts
     wall_spring (w, 3, n), wall_onset (w, 2, n) : the same of walls; the step is -1
     while the contact is open
     """

@@ -31,10 +31,13 @@ class Links(NamedTuple):
     their numbers there.
 
     centres (nc, dim) [m], volume (nc,) : of cells; the volume has the weight 2 pi r of
-    axisymmetric grids left (nf,), right (ni,) : cells of a face vectors (nf, dim) :
-    areas times normals out of the left cells, without the weight 2 pi r middles (nf,
-    dim) [m] : of faces here (nf, dim), there (ni, dim) [m] : middles as the left and
-    the right cell see them, two of a periodic face
+        axisymmetric grids
+    left (nf,), right (ni,) : cells of a face
+    vectors (nf, dim) : areas times normals out of the left cells, without the weight 2
+        pi r
+    middles (nf, dim) [m] : of faces
+    here (nf, dim), there (ni, dim) [m] : middles as the left and the right cell see
+        them, two of a periodic face
     """
 
     centres: Array
@@ -69,12 +72,14 @@ class Offsets(NamedTuple):
 class Connections:
     """Faces of a mesh, interior ones first, and the cells that they connect.
 
-    cells (nc,) : cell of the mesh behind each cell left (nf,), right (ni,) : cells of a
-    face facet_left (nf,), facet_right (ni,) : facet of the mesh that each sees, two of
-    them where the face is periodic turned (ni,) : whether the facet's area vector
-    points into the left cell; that of a periodic face is the right one's vectors,
-    middles (nfacets, dim) : area vectors and middles of the facets centres (nc, dim),
-    volume (nc,) : of cells
+    cells (nc,) : cell of the mesh behind each cell
+    left (nf,), right (ni,) : cells of a face
+    facet_left (nf,), facet_right (ni,) : facet of the mesh that each sees, two of them
+        where the face is periodic
+    turned (ni,) : whether the facet's area vector points into the left cell; that of a
+        periodic face is the right one's
+    vectors, middles (nfacets, dim) : area vectors and middles of the facets
+    centres (nc, dim), volume (nc,) : of cells
     boundaries, bandwidth : see `grid.Grid`
     place (nc,) : of the mesh's cells in the lattice of a rectangular grid, else None
     """

@@ -37,19 +37,25 @@ from contbed.two_fluid.fv.rows import Rows, build_rows, part_of_rows
 class Geometry(NamedTuple):
     """What the kernels need, for nf faces of which ni are interior, and nc cells.
 
-    left (nf,), right (ni,) : cells of a face area (nf,) [m, m2], face_size (nf,) : size
-    of a face with and without the weight 2 pi r normal (nf, dim), distance (nf,) : n,
-    and d.n for the vector d from the left centre to the right one or to the face
+    left (nf,), right (ni,) : cells of a face
+    area (nf,) [m, m2], face_size (nf,) : size of a face with and without the weight 2
+        pi r
+    normal (nf, dim), distance (nf,) : n, and d.n for the vector d from the left centre
+        to the right one or to the face
     non_orthogonal (nf, dim) : n - d/(d.n), the part of the normal that a difference of
-    the two centres misses weight (ni,) : of the left value in a linear interpolation to
-    the face skew (ni, dim) : from the point that `weight` interpolates to, to the
-    middle of the face arm_left (nf, dim), arm_right (ni, dim) : from the centre to the
-    middle of the face slope_left (nf, dim), slope_right (ni, dim) : weights of the jump
-    right - left in the least-squares gradients gradient_inverse (nc, dim, dim) : makes
-    gradients of the sums over a cell and its neighbours on `skewed` grids volume
-    (nc,) [m, m2, m3] moment_inverse (nc, dim, dim) : inverse of the sum of face_size n
-    n over the faces of a cell radius (nc,) : r of the centre, 0 where the grid is not
-    axisymmetric
+        the two centres misses
+    weight (ni,) : of the left value in a linear interpolation to the face
+    skew (ni, dim) : from the point that `weight` interpolates to, to the middle of the
+        face
+    arm_left (nf, dim), arm_right (ni, dim) : from the centre to the middle of the face
+    slope_left (nf, dim), slope_right (ni, dim) : weights of the jump right - left in
+        the least-squares gradients
+    gradient_inverse (nc, dim, dim) : makes gradients of the sums over a cell and its
+        neighbours on `skewed` grids
+    volume (nc,) : of cells [m, m2, m3]
+    moment_inverse (nc, dim, dim) : inverse of the sum of face_size n n over the faces
+        of a cell
+    radius (nc,) : r of the centre, 0 where the grid is not axisymmetric
     skewed : whether any face needs corrections by `non_orthogonal` or `skew`; then
         gradients take the faces of neighbours, too, as what the few of one flat
         tetrahedron give is noise
@@ -86,8 +92,8 @@ class Grid:
     """The lists of `geometry`, and what connects them with the mesh.
 
     cells (nc,) : cell of the mesh behind each cell; a field goes to the mesh by
-    `out[grid.cells] = field` centres (nc, dim), middles (nf, dim) : of cells and
-    faces [m]
+        `out[grid.cells] = field`
+    centres (nc, dim), middles (nf, dim) : of cells and faces [m]
     boundaries : faces of each named boundary that is not periodic
     bandwidth : largest distance of neighbours in the numbering by reverse Cuthill-McKee
     rectangular : whether the grid has rows

@@ -35,9 +35,11 @@ class Rows(NamedTuple):
     whose right cell is in the part
     begin, end : first cell of the part, and the one after its last
     arm_left, arm_right (nf,) [m] : distance of the left and of the right centre to the
-    face, on boundaries only left slope_left, slope_right (nf,) [1/m] : of a cell's
-    gradient along the axis of the face, per jump right - left edge_axis (nb,) : axis of
-    each boundary face; edge_sign (nb,) : 1 where it points along it, or -1
+        face, on boundaries only left
+    slope_left, slope_right (nf,) [1/m] : of a cell's gradient along the axis of the
+        face, per jump right - left
+    edge_axis (nb,) : axis of each boundary face;
+    edge_sign (nb,) : 1 where it points along it, or -1
     """
 
     axis: np.ndarray

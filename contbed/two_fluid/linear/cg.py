@@ -29,7 +29,9 @@ class System(NamedTuple):
 
     coef (nf, m) : links of faces; those of boundary faces couple with given values
     links (nc, m) : further links of cells to given values; `solve` adds those of their
-    faces content (nc, m) : diagonal rhs (nc, m) : right-hand side
+        faces
+    content (nc, m) : diagonal
+    rhs (nc, m) : right-hand side
     """
 
     coef: Array

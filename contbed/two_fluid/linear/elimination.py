@@ -25,8 +25,9 @@ WIDEST = 8184  # band [cells] of some 100,000 cells: a factor of 6 GB
 class Order(NamedTuple):
     """In which order cells are eliminated.
 
-    first (ne,) : cells that go first; start (ne + 1,), beside, faces : their neighbours
-    and the faces between them place (nc,) : of the other cells in the band
+    first (ne,) : cells that go first;
+    start (ne + 1,), beside, faces : their neighbours and the faces between them
+    place (nc,) : of the other cells in the band
     """
 
     first: Indices

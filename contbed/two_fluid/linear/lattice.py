@@ -38,11 +38,14 @@ COARSE_LINK = 0.5
 class Levels(NamedTuple):
     """All lattices of a grid, nl of them, one after the other in memory.
 
-    first (nl,) : number of the first place; size (nl, 3) : places along the axes; by
-    (nl, 3) : 2 where two become one of_cell (nc,) : place of each cell of the grid
+    first (nl,) : number of the first place;
+    size (nl, 3) : places along the axes;
+    by (nl, 3) : 2 where two become one
+    of_cell (nc,) : place of each cell of the grid
     faces (3, 2) : first interior face across each axis, and the one after the last
-    place (ni,) : first place of each interior face joined (3, n) : 1 where there is a
-    face between a place and the next one along an axis, on the first lattice
+    place (ni,) : first place of each interior face
+    joined (3, n) : 1 where there is a face between a place and the next one along an
+        axis, on the first lattice
     axes : dim zeros; a tuple, so that its length is known to the compiler
     """
 

@@ -203,8 +203,8 @@ class Vectors(NamedTuple):
     holds a guess, each (total,).
 
     r, z, direction, other (total,) : residual, preconditioned residual, direction of
-    the last step, workspace parts (3, blocks) : sums and largest values of the blocks
-    of the first lattice
+        the last step, workspace
+    parts (3, blocks) : sums and largest values of the blocks of the first lattice
     """
 
     b: Array
