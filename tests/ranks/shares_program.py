@@ -102,7 +102,8 @@ def cells(out: Path) -> None:
 def longest(all_ranks: RankGroup, root: Any, key: int) -> Any:
     """Length of the longest array that each rank has of a grid."""
     part = all_ranks.objects[key]
-    lists = (*vars(part).values(), *part.geometry)
+    grid = part.grid
+    lists = (*vars(part).values(), *vars(grid).values(), *grid.geometry)
     return all_ranks.comm.gather(
         max(len(x) for x in lists if isinstance(x, np.ndarray))
     )
