@@ -192,7 +192,9 @@ def test_species_have_the_temperature_of_the_medium_unless_they_have_their_own(l
     }
     one = slab(level, 1.0, COLD, wall(900.0)) | bed | {"solids": {"sand": sand}}
     two = slab(level, 1.0, COLD, wall(900.0)) | bed | {"solids": parts}
-    assert run(two).qoi["heat_left_W"] == pytest.approx(
+    cut = run(two)
+    assert cut.profiles["T_solid [K]"] == pytest.approx(1200.0, rel=1e-12)
+    assert cut.qoi["heat_left_W"] == pytest.approx(
         run(one).qoi["heat_left_W"], rel=1e-12
     )
     parts["a"]["temperature"] = 1300.0
