@@ -19,6 +19,7 @@ from contbed.closures.transferred import ARGUMENTS, FORMAT, Transferred
 from contbed.errors import SceneError
 from contbed.scene.quantities import LARGEST, FiniteFloat, Natural, Switch, Table
 from contbed.scene.refusals import table_of
+from contbed.scene.stamp import Stamp, stamp_of
 from contbed.scene.toml_lines import KeyPath, read
 
 
@@ -113,7 +114,7 @@ def closure_of(file: str, base: Path, kind: str) -> Transferred:
     """
     path = base / file
     try:
-        stamp = path.stat().st_mtime_ns, path.stat().st_size
+        stamp = stamp_of(path)
     except (OSError, ValueError):
         raise SceneError(
             f"no closure file {file!r}; looked for {path.absolute()}"
@@ -127,7 +128,7 @@ def closure_of(file: str, base: Path, kind: str) -> Transferred:
 
 
 @lru_cache(maxsize=64)
-def _cached(path: str, name: str, stamp: tuple[int, int]) -> Transferred:
+def _cached(path: str, name: str, stamp: Stamp) -> Transferred:
     content, origin = read(path)
     if type(version := content.get("format")) is not int or version != FORMAT:
         found = (

@@ -17,6 +17,7 @@ from contbed.dem.particle_tables import has_radii, read_table
 from contbed.errors import SceneError
 from contbed.fields import field
 from contbed.output.files import atomic
+from contbed.scene.stamp import Stamp, stamp_of
 
 
 class FileParticles(NamedTuple):
@@ -61,15 +62,15 @@ def read_particles(
     SceneError : with file and line, where the file cannot be used
     """
     try:
-        stamp = path.stat()
+        stamp = stamp_of(path)
     except OSError:
         raise SceneError(f"{path}:1: no such file") from None
-    return _read(path, radius, step, (stamp.st_mtime_ns, stamp.st_size))
+    return _read(path, radius, step, stamp)
 
 
 @lru_cache(maxsize=2)
 def _read(
-    path: Path, radius: float | None, step: int | None, stamp: tuple[int, int]
+    path: Path, radius: float | None, step: int | None, stamp: Stamp
 ) -> FileParticles:
     """Read a file and keep it for the checks of a scene and its plan, until `stamp`
     changes.

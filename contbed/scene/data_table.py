@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from contbed.errors import SceneError
 from contbed.scene.names import nearest
+from contbed.scene.stamp import Stamp, stamp_of
 from contbed.scene.units import QUANTITIES, factor_and_offset
 
 OTHER_MARKS = {
@@ -142,10 +143,10 @@ def read_table(path: Path) -> DataTable:
         cells
     """
     try:
-        status = path.stat()
+        stamp = stamp_of(path)
     except OSError:
         raise SceneError(f"no such file; looked for {path.absolute()}") from None
-    return _read(path, status.st_ino, status.st_mtime_ns, status.st_size)
+    return _read(path, stamp)
 
 
 def decoded(data: bytes) -> str:
@@ -167,7 +168,7 @@ def decoded(data: bytes) -> str:
 
 
 @lru_cache(maxsize=64)
-def _read(path: Path, inode: int, changed: int, size: int) -> DataTable:
+def _read(path: Path, stamp: Stamp) -> DataTable:
     try:
         text = decoded(path.read_bytes())
     except OSError as error:

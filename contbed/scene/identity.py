@@ -12,6 +12,7 @@ from typing import Any
 
 from contbed import __version__
 from contbed.scene.inputs import all_inputs
+from contbed.scene.stamp import Stamp, stamp_of
 from contbed.scene.tables import SceneBase
 
 
@@ -31,8 +32,7 @@ def identity(scene: SceneBase) -> dict[str, Any]:
     files = {}
     for path in all_inputs(scene, base):
         name = str(path.relative_to(base)) if path.is_relative_to(base) else path.name
-        status = path.stat()
-        files[name] = _digest(path, status.st_ino, status.st_mtime_ns, status.st_size)
+        files[name] = _digest(path, stamp_of(path))
     return {"values": values, "files": files, "contbed": __version__}
 
 
@@ -44,7 +44,7 @@ def scene_hash(scene: SceneBase) -> str:
 
 
 @lru_cache(maxsize=256)
-def _digest(path: Path, inode: int, changed: int, size: int) -> str:
+def _digest(path: Path, stamp: Stamp) -> str:
     """Return a hash of the content of a file, which is read again only when it has
     changed.
     """

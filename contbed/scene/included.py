@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 
-from contbed.scene.mechanism import mechanism_folders
+from contbed.scene.mechanism import MECHANISM, mechanism_folders
+from contbed.scene.stamp import Stamp, stamp_of
 
 GEOMETRY = ".geo"
-_MECHANISMS = (".yaml", ".yml")
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _OPENED = re.compile(r"\b(?:Include|Merge|ShapeFromFile\s*\()\s*\"([^\"\n]+)\"")
 _TAKEN = re.compile(r"([^\s\[\]{},:\"']+\.ya?ml)/\w")
@@ -36,9 +36,9 @@ def included(file: Path) -> Iterator[Path]:
 def _named_in(file: Path) -> tuple[Path, ...]:
     folder, suffix = file.parent, file.suffix.lower()
     if suffix == GEOMETRY:
-        names, folders = _names(file, *_stamp(file)), [folder]
-    elif suffix in _MECHANISMS and not _is_of_cantera(file):
-        names, folders = _names(file, *_stamp(file)), mechanism_folders(folder)
+        names, folders = _names(file, stamp_of(file)), [folder]
+    elif suffix in MECHANISM and not _is_of_cantera(file):
+        names, folders = _names(file, stamp_of(file)), mechanism_folders(folder)
     else:
         return ()
     places = [[each / name for each in folders] for name in names]
@@ -51,13 +51,8 @@ def _is_of_cantera(file: Path) -> bool:
     return any(file.resolve().is_relative_to(each.resolve()) for each in folders)
 
 
-def _stamp(file: Path) -> tuple[int, int, int]:
-    status = file.stat()
-    return status.st_ino, status.st_mtime_ns, status.st_size
-
-
 @lru_cache(maxsize=64)
-def _names(file: Path, inode: int, changed: int, size: int) -> tuple[str, ...]:
+def _names(file: Path, stamp: Stamp) -> tuple[str, ...]:
     """Return the names in a file, which is read again only when it has changed."""
     text = file.read_text(encoding="utf-8", errors="replace")
     if file.suffix.lower() != GEOMETRY:

@@ -26,6 +26,7 @@ from contbed.scene.mechanism import (
     mechanism_folders,
     other_format,
 )
+from contbed.scene.stamp import Stamp, stamp_of
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.scene.values import tables
 
@@ -138,11 +139,11 @@ def _size(file: Path, status: os.stat_result) -> int:
     """
     if file.suffix != ".gz" or status.st_size > LARGE_FILE:
         return status.st_size
-    return _unpacked_size(file, status.st_ino, status.st_mtime_ns, status.st_size)
+    return _unpacked_size(file, stamp_of(file))
 
 
 @lru_cache(maxsize=64)
-def _unpacked_size(file: Path, inode: int, changed: int, size: int) -> int:
+def _unpacked_size(file: Path, stamp: Stamp) -> int:
     total = 0
     try:
         with gzip.open(file) as stream:

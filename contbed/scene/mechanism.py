@@ -18,6 +18,7 @@ _ALIAS = re.compile(rb"(?:^|[\s\[{,:-])\*\w")
 _ANCHOR = re.compile(rb"(?:^|[\s\[{,:-])&\w")
 # nodes in memory for each that is written
 MOST_COPIES = 100
+MECHANISM = (".yaml", ".yml")
 # Cantera's programs for mechanisms of CHEMKIN and of its own older versions
 CONVERTERS = {".inp": "ck2yaml --input=", ".cti": "cti2yaml ", ".xml": "ctml2yaml "}
 _EXTENSIONS = re.compile(rb"extensions|\\")
@@ -100,7 +101,7 @@ def other_format(path: Path) -> str:
     one.
     """
     suffix = path.suffix.lower()
-    if suffix in (".yaml", ".yml"):
+    if suffix in MECHANISM:
         return ""
     text = f"{path.name}: a mechanism is a YAML file of Cantera"
     command = CONVERTERS.get(suffix)
