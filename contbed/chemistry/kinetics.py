@@ -79,7 +79,7 @@ def reactions_of(
     ]
     if len(cases) == 1 and table.surface is None:
         return [_one(cases[0], law, with_effectiveness)]
-    basis = law.basis or cases[0].basis
+    basis = law.basis_of(cases[0])
     rates = _per_bed(law.rate(cases[0]), basis, table.factor)
     return [
         Reaction(
@@ -117,11 +117,11 @@ def basis_of(
     name: str, table: ReactionTable, equation: Equation, species: Species
 ) -> str:
     """Return where a reaction runs, as the basis of its rate."""
-    return law_of(name, table).basis or Case(name, table, equation, species).basis
+    return law_of(name, table).basis_of(Case(name, table, equation, species))
 
 
 def _one(case: Case, law: RateLaw, with_effectiveness: bool) -> Reaction:
-    table, basis = case.table, law.basis or case.basis
+    table, basis = case.table, law.basis_of(case)
     used = {*case.equation.stoichiometry, *(table.orders or {})}
     of_gases = basis == "bed" and not used & set(case.species.solids)
     site = "gas" if basis == "gas" or of_gases else "particle"

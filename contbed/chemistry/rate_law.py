@@ -176,3 +176,7 @@ class RateLaw:
     own_film: bool = False
     of_solids: bool = False
     published: PowerLaw | None = None
+
+    def basis_of(self, case: Case) -> str:
+        """Return per what its rate is in a case."""
+        return self.basis or case.basis
