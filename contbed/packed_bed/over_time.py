@@ -26,11 +26,11 @@ from contbed.packed_bed.transient import (
 from contbed.result import Result
 from contbed.scene.toml_lines import parse_key
 
-# change of density, at a given velocity, of which the mass flux may be ignorant
+# relative change of the density that the mass flux may leave out without a warning
 LAG = 0.01
 
 
-def _tell_of_lag(plan: Plan, result: Result) -> None:
+def _warn_of_lag(plan: Plan, result: Result) -> None:
     """Warn of a fluid that enters with another density than that of its mass flux."""
     fixed, T = plan.lag()
     density = plan.medium.fluid.density
@@ -63,7 +63,7 @@ def transient(
     """
     scene = plan.scene
     assert scene.time is not None
-    _tell_of_lag(plan, result)
+    _warn_of_lag(plan, result)
     steps = HeatSteps(plan, flow, result)
     with Saver(folder, scene) as saver:
         if scene.time.cycle is not None:
