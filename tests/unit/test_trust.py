@@ -1,6 +1,4 @@
-"""Scenes that would run programs: geometries of gmsh, mechanisms of Cantera,
-programs of a benchmark.
-"""
+"""Scenes that would run programs: geometries of gmsh, mechanisms of Cantera."""
 
 import json
 import subprocess
