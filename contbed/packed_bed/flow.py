@@ -40,7 +40,8 @@ class Flow:
     it was solved with.
 
     `velocity` (dim, size) on quadratic elements is the mass flux over the density of
-    the inlet, and so free of divergence; `expanded` is the velocity.
+    the medium, and so free of divergence; `expanded` is the velocity. `share` is the
+    mass flux that it was solved for over that at this density.
     """
 
     system: System
@@ -48,6 +49,7 @@ class Flow:
     history: list[float]
     porosity: float
     local: LocalProperties | None = None
+    share: float = 1.0
 
     @property
     def velocity(self) -> Any:

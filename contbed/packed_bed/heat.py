@@ -4,7 +4,7 @@ conditions, solution, balances.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -22,6 +22,7 @@ from contbed.packed_bed.heat_coefficients import HeatCoefficients, Motion
 from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.radiation import coupling
+from contbed.packed_bed.recognition import inlet_temperature
 from contbed.packed_bed.schedule import ScheduleInterval, initial_range, initial_values
 from contbed.scene.mesh import SIDE, MeshLine
 from contbed.solvers.condensed import Modes
@@ -42,7 +43,8 @@ class HeatProblem:
     `linear` is true for constant properties; `fixed` and `fixed_values` are the
     prescribed temperatures, `idle` names those that nothing carries into the bed and
     that are left out. In an `interval` of a run in which values change with time,
-    `set_time` puts those of a time in place. `system` is that of the same problem with other values on
+    `set_time` puts those of a time in place. `coefficients` are those at its start,
+    `moving` those of the present mass flux. `system` is that of the same problem with other values on
     this mesh.
     """
 
@@ -85,7 +87,7 @@ class HeatProblem:
         self.build = HeatCoefficients(
             scene, mesh, medium, motion, self.system, self.radiation
         )
-        self.coefficients = self.build.of(cells)
+        self.coefficients = self.moving = self.build.of(cells)
         self._storage: list[Any] = [(two_energy.storage, cells, self.coefficients)]
         self.boundaries = list(mesh.boundaries)
         self.perimeter = 0.0  # area of the side of a line per volume [1/m]
@@ -123,7 +125,7 @@ class HeatProblem:
         sides = tuple(
             wall for name, _, wall in self.boundary_terms if self._is_side(name)
         )
-        interior = replace(self.coefficients, sides=sides, perimeter=self.perimeter)
+        interior = replace(self.moving, sides=sides, perimeter=self.perimeter)
         return [
             (two_energy.residual, self.system.cells, interior),
             *(
@@ -178,6 +180,7 @@ class HeatProblem:
         """Put temperatures and fluxes of boundaries at interpolation weights in place."""
         assert self.interval is not None
         boundary, walls = self.interval.boundary(weights), []
+        self._set_share(boundary)
         for name, part, wall in self.boundary_terms:
             phase = wall.name.removeprefix("T_")
             table = boundary.get(name)
@@ -191,6 +194,31 @@ class HeatProblem:
             prescribed = boundary[name].condition(phase)
             assert prescribed is not None
             self.fixed_values[nodes] = prescribed.fixed_temperature
+
+    def _set_share(self, boundary: Mapping[str, s.Boundary]) -> None:
+        """Let the mass flux follow the density of the fluid that enters with a given
+        velocity.
+        """
+        fluid = self.medium.fluid
+        if fluid.constant or not np.any(self.motion.fluid):
+            return
+        assert self.interval is not None
+        now = self.interval.scene.model_copy(update={"boundary": boundary})
+        entering = float(fluid.density(inlet_temperature(now)))
+        share = entering / self.medium.mass_flux_scale()
+        if share == self.share:
+            return
+        cells = self.system.cells
+        self.build, self.moving = self.build.in_stream(share, self.coefficients, cells)
+        self.boundary_terms = [
+            (name, part, self.build.wall(name, wall.name.removeprefix("T_"), part))
+            for name, part, wall in self.boundary_terms
+        ]
+
+    @property
+    def share(self) -> float:
+        """Mass flux of the fluid over that at the density of the medium."""
+        return self.build.motion.share
 
     def _temperature_range(self) -> tuple[float, float]:
         found: list[Any] = [

@@ -5,7 +5,7 @@ stabilisation, sources, walls.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -34,11 +34,14 @@ TINY = 1e-30
 class Motion:
     """Superficial velocities of both phases: uniform vectors, or a computed flow for
     the fluid.
+
+    `share` is the mass flux of the fluid over that at the density of the medium.
     """
 
     fluid: Any
     solid: Any
     flow: Flow | None = None
+    share: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -63,8 +66,11 @@ class HeatCoefficients:
         """Return the velocity of a phase on a domain; None when it rests."""
         if phase == "fluid" and self.motion.flow is not None:
             flow = self.motion.flow
-            return self.system.known(where, flow.system.fields["u"][0], flow.velocity)
-        vector = getattr(self.motion, phase)
+            velocity = flow.velocity * (self.motion.share / flow.share)
+            return self.system.known(where, flow.system.fields["u"][0], velocity)
+        vector = np.asarray(getattr(self.motion, phase))
+        if phase == "fluid":
+            vector = vector * self.motion.share
         return Components(float(v) for v in vector) if np.any(vector) else None
 
     def _speed(self, where: Domain) -> Callable[[Any], Any]:
@@ -111,6 +117,27 @@ class HeatCoefficients:
                 (1.0 - self.scene.packed_bed.porosity) * medium.solid.density(T)
             ),
         )
+
+    def in_stream(
+        self, share: float, start: two_energy.Coefficients, where: Domain
+    ) -> tuple[HeatCoefficients, two_energy.Coefficients]:
+        """Return what makes coefficients for another mass flux of the fluid, and those
+        of the balances on a domain.
+
+        The functions that test the balances stay those of `start`, so that the rate of
+        the content is tested as the content is.
+        """
+        build = replace(self, motion=replace(self.motion, share=share))
+        now, fluid = build.of(where), start.fluid
+        tested = None if fluid.tau is None else fluid.tau / share
+        fluid = replace(
+            fluid,
+            mass_flux=now.fluid.mass_flux,
+            divergence=now.fluid.divergence,
+            dispersion=now.fluid.dispersion,
+            tau=tested,
+        )
+        return build, replace(start, fluid=fluid, exchange=now.exchange)
 
     def _mode(self, mode: Mode, where: Domain, exchange: Any) -> two_energy.Mode:
         """Return the coefficients of one mode of intraparticle conduction."""

@@ -109,7 +109,7 @@ class FlowOverTime:
         """Solve the flow at the temperatures of a state."""
         before, local = self.flow, local_properties(plan, problem, state)
         with self.result.timed("flow"):
-            self.flow = solved_flow(plan, before, self.result, local)
+            self.flow = solved_flow(plan, before, self.result, local, problem.share)
         if before.local is not None:
             self.change = max(self.change, _change(local, before.local))
             self.solved += 1
@@ -135,7 +135,7 @@ class FlowOverTime:
             "flow_state": self.flow.state,
             "flow_expansion": np.asarray(local.expansion),
             "flow_viscosity": np.asarray(local.viscosity),
-            "flow_counts": np.array([self.solved, self.change]),
+            "flow_counts": np.array([self.solved, self.change, self.flow.share]),
         }
 
     def restore(self, problem: Any, arrays: Mapping[str, Any]) -> None:
@@ -144,12 +144,10 @@ class FlowOverTime:
         local = LocalProperties(
             space, arrays["flow_expansion"], arrays["flow_viscosity"]
         )
+        solved, self.change, share = (float(one) for one in arrays["flow_counts"])
+        before, self.solved = self.flow, int(solved)
         self.flow = Flow(
-            self.flow.system, arrays["flow_state"], [], self.flow.porosity, local
-        )
-        self.solved, self.change = (
-            int(arrays["flow_counts"][0]),
-            float(arrays["flow_counts"][1]),
+            before.system, arrays["flow_state"], [], before.porosity, local, share
         )
 
 

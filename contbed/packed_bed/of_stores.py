@@ -159,14 +159,10 @@ def thermocline(x: Array, T: Array, span: tuple[float, float]) -> float | None:
 
 def _intervals(plan: Plan) -> Intervals:
     """Return the parts of a run with the plan of the flow in each."""
-    found: Intervals = []
-    flows: dict[float, Plan] = {}
-    for interval in plan.intervals():
-        since = 0.0 if interval is None else interval.flow_since
-        if since not in flows:
-            flows[since] = plan if interval is None else plan.within(interval)
-        found.append((interval, flows[since]))
-    return found
+    return [
+        (interval, plan if interval is None else plan.within(interval))
+        for interval in plan.intervals()
+    ]
 
 
 def _temperatures(plan: Plan, intervals: Intervals) -> list[float] | None:
@@ -211,33 +207,48 @@ def _parts(
         if len(own) < 2:
             continue
         left, other = own[-1, 3:] - own[0, 3:]
-        flow = _mass_flow(there, problem)
-        low, high = there.medium.fluid.enthalpy(np.array(span))
+        volume, times = _volume_flow(there, problem), own[:, 0]
+        if volume == 0.0:
+            yield Part(float(left), -float(other), 0.0, 0.0, False)
+            continue
+        inlets = _inlets_at(there, interval, times)
+        fluid = there.medium.fluid
+        flow = volume * np.broadcast_to(fluid.density(inlets), len(times))
+        low, high = fluid.enthalpy(np.array(span))
         yield Part(
             float(left),
             -float(other),
-            flow * float((high - low) * (own[-1, 0] - own[0, 0])),
-            flow * _exergy_left(there, interval, own) if flow else 0.0,
-            flow > 0.0,
+            _over_time(flow, times) * float(high - low),
+            _over_time(flow * _exergy_left(there, inlets, own), times),
+            True,
         )
 
 
-def _exergy_left(plan: Plan, interval: ScheduleInterval | None, rows: Array) -> float:
-    """Return the exergy that the stream of a part leaves in the bed, per mass flow
-    [J s/kg]; the outlet is linear between steps.
-    """
-    times, out = rows[:, 0], rows[:, 1].copy()
-    out[0] = out[1]  # before the part another stream leaves
+def _inlets_at(plan: Plan, interval: ScheduleInterval | None, times: Array) -> Array:
+    """Return the temperature at which the fluid enters at each of these times [K]."""
     changes = interval is not None and bool(interval.schedule)
-    inlets = [
-        _inlet(plan, interval, time) for time in (times if changes else times[:1])
-    ]
+    found = [_inlet(plan, interval, time) for time in (times if changes else times[:1])]
+    given = [plan.medium.T_fluid_in if T is None else T for T in found]
+    return np.broadcast_to(given, len(times))
+
+
+def _exergy_left(plan: Plan, inlets: Array, rows: Array) -> Array:
+    """Return the exergy that the stream of a part leaves in the bed at the time of each
+    row [J/kg].
+    """
+    out = rows[:, 1].copy()
+    out[0] = out[1]  # before the part another stream leaves
     dead = plan.scene.packed_bed.dead_state
     enthalpy = plan.medium.fluid.enthalpy
-    left = exergy(enthalpy, np.array(inlets), dead) - exergy(enthalpy, out, dead)
-    slope, steps = np.gradient(left, times), np.diff(times)
+    left: Array = exergy(enthalpy, inlets, dead) - exergy(enthalpy, out, dead)
+    return left
+
+
+def _over_time(values: Array, times: Array) -> float:
+    """Return an integral over time by the trapezoidal rule with slopes."""
+    slope, steps = np.gradient(values, times), np.diff(times)
     return float(
-        0.5 * (left[1:] + left[:-1]) @ steps - np.diff(slope) @ steps**2 / 12.0
+        0.5 * (values[1:] + values[:-1]) @ steps - np.diff(slope) @ steps**2 / 12.0
     )
 
 
@@ -262,12 +273,12 @@ def _inlets(plan: Plan) -> list[str]:
     return [name for name, kind in plan.conditions.items() if kind == "inlet"]
 
 
-def _mass_flow(plan: Plan, problem: Any) -> float:
-    """Return the mass flow of the fluid through the bed [kg/s]."""
+def _volume_flow(plan: Plan, problem: Any) -> float:
+    """Return the volume flow of the fluid at the inlet [m3/s]."""
     speed = float(np.abs(plan.velocity[plan.mesh.axis]))
     area = sum(
         float(np.sum(part.weight))
         for name in _inlets(plan)
         for part in problem.system.boundary(name)
     )
-    return speed * area * float(plan.medium.mass_flux_scale())
+    return speed * area

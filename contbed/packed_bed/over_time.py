@@ -12,7 +12,6 @@ from contbed.errors import ConvergenceError
 from contbed.fem.probe import Line
 from contbed.output.progress import Progress
 from contbed.packed_bed.cycle import HeatCycle
-from contbed.packed_bed.inlets import velocity_key
 from contbed.packed_bed.of_stores import store_findings
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.results import transient_findings
@@ -24,25 +23,6 @@ from contbed.packed_bed.transient import (
     integrated_fluxes,
 )
 from contbed.result import Result
-from contbed.scene.toml_lines import parse_key
-
-# relative change of the density that the mass flux may leave out without a warning
-LAG = 0.01
-
-
-def _warn_of_lag(plan: Plan, result: Result) -> None:
-    """Warn of a fluid that enters with another density than that of its mass flux."""
-    fixed, T = plan.lag()
-    density = plan.medium.fluid.density
-    share = float(density(T) / density(fixed)) - 1.0
-    if abs(share) > LAG:
-        key = velocity_key(plan.scene.boundary, "fluid")
-        result.warnings.append(
-            f"{plan.scene.origin.at(parse_key(key))}: {key}: the mass flux stays that at "
-            f"{fixed:.4g} K while the gas enters with {T:.4g} K as well, where at this "
-            f"velocity it would be {abs(share):.0%} {'lower' if share < 0 else 'higher'}; "
-            'a temperature with form = "step" changes it at each step'
-        )
 
 
 def transient(
@@ -63,7 +43,6 @@ def transient(
     """
     scene = plan.scene
     assert scene.time is not None
-    _warn_of_lag(plan, result)
     steps = HeatSteps(plan, flow, result)
     with Saver(folder, scene) as saver:
         if scene.time.cycle is not None:

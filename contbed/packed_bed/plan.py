@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.course.history import SAME
 from contbed.course.schedule import Schedule
 from contbed.errors import SceneError
 from contbed.materials.constants import fluid_of
@@ -44,9 +45,7 @@ from contbed.packed_bed.recognition import (
     velocities,
 )
 from contbed.packed_bed.schedule import (
-    ENTERING,
     PHASES,
-    VELOCITY,
     ScheduleInterval,
     changing,
     flow_changes,
@@ -64,10 +63,6 @@ AUTOMATIC = 8  # adaptive refinements of an automatic line
 AUTOMATIC_TENSOR = 6
 # by dimension: 5 to 10 s of processor for two temperatures
 AUTOMATIC_CELLS = {2: 30_000, 3: 4_000}
-
-
-# share of a part of a run before its end, where the values that jump there still hold
-BEFORE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -193,7 +188,7 @@ class Plan:
         time, schedule = self.scene.time, self.schedule
         if not schedule or time is None:
             return [None]
-        temperatures, found, flow_since = tuple(schedule.temperatures()), [], 0.0
+        temperatures, found = tuple(schedule.temperatures()), []
         small, every = kinks_passed(schedule, self.scene), schedule.cuts(time.end)
         cuts = every if small is None else schedule.cuts(time.end, small)
         names = {self.as_written(name): name for name in self.mesh.boundaries}
@@ -202,10 +197,6 @@ class Plan:
             for path in schedule.samples
         }
         for start, end in pairwise(cuts):
-            if schedule.jumps(start, VELOCITY) or (
-                not self.medium.fluid.constant and schedule.jumps(start, ENTERING)
-            ):
-                flow_since = start
             inner = every[bisect_right(every, start) : bisect_left(every, end)]
             changed = changing(schedule, start, end, inner).samples
             series = {solved[path]: samples for path, samples in changed.items()}
@@ -220,41 +211,27 @@ class Plan:
                     else {},
                     temperatures,
                     schedule.jumps(start),
-                    flow_since,
                 )
             )
         return found
 
-    def lag(self) -> tuple[float, float]:
-        """Return the temperature of the entering fluid that fixes the mass flux, and
-        that with which it enters [K], where their densities differ most in the run.
-        """
-        found = [(self.medium.T_fluid_in,) * 2]
-        for interval in self.intervals():
-            if interval is None:
-                continue
-            nearly = interval.end - BEFORE * (interval.end - interval.start)
-            fixed, *entering = (
-                inlet_temperature(self.schedule.frozen(self.scene, time))
-                for time in (interval.flow_since, interval.start, nearly)
-            )
-            found += [(fixed, T) for T in entering]
-        density = self.medium.fluid.density
-        return max(
-            found, key=lambda pair: abs(np.log(density(pair[1]) / density(pair[0])))
-        )
-
     def within(self, interval: ScheduleInterval) -> Plan:
         """Return the plan with the velocities of a part of the run, on the same mesh.
 
-        The mass flux is that of the inlet temperature when the velocity took its value
-        or this temperature jumped last; see `lag`.
+        The mass flux is that of the inlet temperature at its start.
         """
-        target = interval.scene
+        return self._with_flow_of(interval.scene)
+
+    def _with_flow_of(self, target: s.Scene) -> Plan:
+        """Return the plan with the velocities and the inlet temperature of a scene that
+        is solved.
+        """
         velocity, solid = velocities(target)
-        since = self.schedule.frozen(self.scene, interval.flow_since)
         medium = Medium.of(
-            target, inlet_temperature(since), bed_diameter(self.scene.mesh)
+            target,
+            inlet_temperature(target),
+            bed_diameter(self.scene.mesh),
+            self.medium.fluid,
         )
         conditions = {
             name: role_in_flow(target, self.mesh, name, velocity)
@@ -270,19 +247,24 @@ class Plan:
         )
 
     def at(self, times: Sequence[float]) -> list[Plan]:
-        """Return the plan with the velocities at each of these times [s], at a jump
-        with those before it.
+        """Return the plan with the velocities and the mass flux at each of these
+        times [s], at a jump with those before it.
         """
         intervals = [each for each in self.intervals() if each is not None]
-        if not any(each.flow_since for each in intervals):
+        constant = self.medium.fluid.constant
+        if not intervals or (constant and not flow_changes(self.schedule)):
             return [self] * len(times)
-        ends, plans = [each.end * (1 + 1e-12) for each in intervals], {}
+        ends = [each.end * (1 + SAME) for each in intervals]
+        plans: dict[Any, Plan] = {}
         found = []
         for time in times:
             interval = intervals[min(bisect_left(ends, time), len(intervals) - 1)]
-            if interval.flow_since not in plans:
-                plans[interval.flow_since] = self.within(interval)
-            found.append(plans[interval.flow_since])
+            frozen = self.schedule.frozen(self.scene, time, True, interval.start)
+            target = self._as_solved(frozen)
+            key = (*map(tuple, velocities(target)), inlet_temperature(target))
+            if key not in plans:
+                plans[key] = self._with_flow_of(target)
+            found.append(plans[key])
         return found
 
     def _as_solved(self, frozen: s.Scene) -> s.Scene:

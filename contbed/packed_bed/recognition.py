@@ -39,7 +39,7 @@ def velocities(scene: s.Scene) -> tuple[Any, Any]:
 
 def inlet_temperature(scene: s.Scene) -> float:
     """Return the temperature of the entering fluid: a prescribed one, on the inlet
-    if that is known.
+    if that is known, else where its velocity is given.
     """
     found = [
         (name, table.gas)
@@ -47,10 +47,13 @@ def inlet_temperature(scene: s.Scene) -> float:
         if table.gas is not None
     ]
     velocity = velocity_vector(scene.mesh, scene.boundary, "fluid")
-    ranked = sorted(
-        found,
-        key=lambda item: role(scene.mesh, velocity, item[0], scene.boundary) != "inlet",
-    )
+
+    def rank(item: tuple[str, s.PhaseCondition]) -> tuple[bool, bool]:
+        name, condition = item
+        known = role(scene.mesh, velocity, name, scene.boundary)
+        return known != "inlet", condition.velocity is None
+
+    ranked = sorted(found, key=rank)
     for _, condition in ranked:
         for value in (
             condition.temperature,

@@ -324,14 +324,16 @@ def _tell_if_lifted(plans: list[Plan], T: Any, result: Result) -> None:
     """Warn of a fluid that fluidizes the bed at its temperatures [K], one row for
     each plan; once for each velocity.
     """
-    rows: dict[bytes, tuple[Plan, list[Any]]] = {}
+    rows: dict[tuple[bytes, float], tuple[Plan, list[Any]]] = {}
     for plan, row in zip(plans, T, strict=True):
-        rows.setdefault(
-            plan.velocity.tobytes() + plan.velocity_solid.tobytes(), (plan, [])
-        )[1].append(row)
-    result.warnings += [
-        text for plan, found in rows.values() if (text := lifted(plan, np.ravel(found)))
-    ]
+        flow = plan.velocity.tobytes() + plan.velocity_solid.tobytes()
+        rows.setdefault((flow, plan.medium.T_fluid_in), (plan, []))[1].append(row)
+    told: dict[bytes, str] = {}
+    for (flow, _), (plan, found) in rows.items():
+        text = lifted(plan, np.ravel(found))
+        if text:
+            told.setdefault(flow, text)
+    result.warnings += told.values()
 
 
 def _profiles(

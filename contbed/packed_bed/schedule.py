@@ -27,7 +27,6 @@ from contbed.scene.toml_lines import KeyPath
 from contbed.scene.values import with_value
 
 VELOCITY = "velocity"
-ENTERING = "temperature"  # of a stream
 VALUES = ("fixed_temperature", "temperature", "heat_flux", "ambient")
 KELVIN = ("fixed_temperature", "temperature", "ambient")  # those that are temperatures
 PHASES = ("fluid", "solid")
@@ -41,8 +40,7 @@ class ScheduleInterval:
     schedule : the series of temperatures and fluxes that change in it
     small : sizes of kinks that a step may pass by key; none where all is linear in time
     temperatures : all of the series of the run [K]
-    jumps : whether a value jumps at the start; flow_since : when the velocities took
-        their values, or the temperature at which the mass flux is that of them [s]
+    jumps : whether a value jumps at the start
     """
 
     start: float
@@ -52,7 +50,6 @@ class ScheduleInterval:
     small: Mapping[KeyPath, float]
     temperatures: tuple[float, ...]
     jumps: bool
-    flow_since: float
 
     def resolves(self, start: float, end: float, stages: tuple[float, ...]) -> bool:
         """Return whether a step between two times [s] misses less than is small."""

@@ -4,7 +4,7 @@ temperatures, balances and checks.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
 
@@ -62,18 +62,20 @@ def heat_problem(
     return problem
 
 
-def solved_flow(plan: Plan, before: Any, result: Result, local: Any = None) -> Any:
+def solved_flow(
+    plan: Plan, before: Any, result: Result, local: Any = None, share: float = 1.0
+) -> Any:
     """Solve for the flow, from the one `before` if there is one, with `local`
-    properties if they vary.
+    properties if they vary; `share` is that of `Flow`.
     """
     from contbed.packed_bed.flow import coefficients, solve_flow
 
-    scene = plan.scene
-    c = coefficients(scene, plan.medium, plan.velocity, plan.velocity_solid)
+    scene, velocity = plan.scene, plan.velocity * share
+    c = coefficients(scene, plan.medium, velocity, plan.velocity_solid)
     flow = solve_flow(
         plan.mesh,
         c,
-        plan.velocity,
+        velocity,
         plan.conditions,
         plan.policy,
         Options.of(scene, what="flow"),
@@ -81,7 +83,7 @@ def solved_flow(plan: Plan, before: Any, result: Result, local: Any = None) -> A
         local,
     )
     result.history += flow.history
-    return flow
+    return replace(flow, share=share)
 
 
 def report_flow(plan: Plan, line: Line, flow: Any, result: Result) -> None:
@@ -89,7 +91,8 @@ def report_flow(plan: Plan, line: Line, flow: Any, result: Result) -> None:
     from contbed.packed_bed.flow import coefficients
     from contbed.packed_bed.results import flow_findings
 
-    outflow = {name: flow.outflow(name) for name in plan.mesh.boundaries}
+    # volumes at the density of the fluid that enters
+    outflow = {name: flow.outflow(name) / flow.share for name in plan.mesh.boundaries}
     floor = 0.0
     # nothing crosses walls; what moves between them is the scale
     if "outlet" not in plan.conditions.values():

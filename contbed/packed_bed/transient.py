@@ -181,7 +181,8 @@ class HeatSteps(DirkSteps[HeatHistory]):
         return replace(history, flow=local.pack())
 
     def renew_flow(self, history: HeatHistory) -> None:
-        """Solve the flow at the temperatures of a history."""
+        """Solve the flow at the time and the temperatures of a history."""
+        self.problem.set_time(history.time)
         self.local.solve(self.plan, self.problem, history.state)
         self.renewed.append(history.steps)
 

@@ -4,6 +4,7 @@ conserved, properties along the bed.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from tests.balances import assert_closed
 from tests.refusals import refused
 from tests.scene_text import set_keys
 
+MESHES = Path(__file__).parents[2] / "meshes"
 U, EPS, D = 0.5, 0.4, 5e-3
 CONSTANT = {
     "density": 1.2,
@@ -207,6 +209,18 @@ def test_the_speed_across_the_bed_counts(solid):
     assert result.qoi["residence_time_s"] == pytest.approx(
         EPS * 0.2 / (0.2 * 0.1 + 1.0 * 0.4), rel=1e-12
     )
+
+
+def test_a_hot_wall_of_a_mesh_file_is_no_inlet():
+    """The gas enters where its velocity is given, and has the density of that
+    temperature, also where a wall of another temperature comes first.
+    """
+    scene = bed(STEAM, mesh={"type": "file", "file": str(MESHES / "square_quad.msh")})
+    scene["boundary"] = {
+        "top": {"gas": {"fixed_temperature": 967.0}},
+        "left": {"gas": {"velocity": [U, 0.0], "temperature": 433.0}},
+    }
+    assert plan(from_dict(scene)).medium.T_fluid_in == 433.0
 
 
 def test_a_resting_fluid_in_a_moving_bed_has_no_pressure_of_its_own_drag():
