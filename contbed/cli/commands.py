@@ -295,12 +295,21 @@ def converge(
     )
 
 
-@app.command(hidden=True, context_settings={"ignore_unknown_options": True})
-def bench(study: Annotated[list[str] | None, Argument()] = None) -> None:
-    """Say where benchmarks are now."""
-    raise SceneError(
-        "contbed bench is part of the studies now: python -m studies run NAME"
-    )
+@app.command()
+def bench(
+    study: Annotated[Path, Argument(metavar="STUDY", help="a study's folder")],
+    out: OutFolder = None,
+    trust: Annotated[
+        bool, Option("--trust", help="let it run the programs that the study names")
+    ] = False,
+) -> None:
+    """Measure run time against error.
+
+    Runs the programs that a study names.
+    """
+    from contbed.many.bench import bench as measure
+
+    print(measure(study, out or Path("results") / f"{study.name}-bench", trust))
 
 
 @app.command()

@@ -13,4 +13,5 @@ cascade/        packings of particles, closures from them, and the bed with thes
 validate/       measured beds beside computed ones
 compare         one reactor by several models
 converge        one scene on finer and finer meshes
+bench           run time against error of programs
 """

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from studies._gallery.bench import machine
+from contbed.many.bench import machine
 
 __all__ = ["Timed", "cpu", "cpu_of", "in_turn", "machine", "user_time"]
 ONE_THREAD = dict.fromkeys(

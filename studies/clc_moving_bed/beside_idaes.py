@@ -16,9 +16,9 @@ import numpy as np
 
 import contbed as cb
 from contbed.loading import load
+from contbed.many.bench import time_at
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
-from studies._gallery.bench import time_at
 from studies.clc_moving_bed.shooting import AS_CODED, Bed
 from studies.clc_moving_bed.study import HERE, RESULTS
 

@@ -201,6 +201,7 @@ def test_version_and_help(capsys):
         "explain",
         "list",
         "converge",
+        "bench",
         "sweep",
         "calibrate",
         "warm",
@@ -209,11 +210,6 @@ def test_version_and_help(capsys):
     ):
         assert command(f"{name} --help") == 0
         assert name in capsys.readouterr().out
-
-
-def test_a_former_command_names_the_present_one(capsys):
-    assert command("bench studies/two_energy_benchmark --trust") == 2
-    assert "python -m studies run NAME" in capsys.readouterr().err
 
 
 @each_case(__file__, "explain")

@@ -45,6 +45,13 @@ values = [{ quantity = "pressure_drop_Pa", column = "dp", error = "2 %" }]
 """,
 }
 TEXT = '{"files": 12}'
+BENCH = """\
+[[race]]
+title = "race"
+[[race.case]]
+name = "only"
+command = ["-c", ""]
+"""
 
 
 @pytest.fixture
@@ -54,6 +61,9 @@ def here(tmp_path, monkeypatch):
     for name, text in FILES.items():
         (tmp_path / f"{name}.toml").write_text(text)
     (tmp_path / "drops.csv").write_text("u [m/s],dp [Pa]\n0.1,1.0\n0.2,3.0\n")
+    bench = tmp_path / "study" / "bench" / "bench.toml"
+    bench.parent.mkdir(parents=True)
+    bench.write_text(BENCH)
     (tmp_path / "out").mkdir()
     return tmp_path
 

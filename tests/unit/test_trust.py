@@ -1,4 +1,6 @@
-"""Scenes that would run programs: geometries of gmsh, mechanisms of Cantera."""
+"""Scenes that would run programs: geometries of gmsh, mechanisms of Cantera,
+programs of a benchmark.
+"""
 
 import json
 import subprocess

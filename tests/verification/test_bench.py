@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from contbed.errors import ContbedError
-from studies._gallery.bench import bench, time_at
+from contbed.many.bench import bench, time_at
 from tests.cases import each_case
 from tests.refusals import refused
 
@@ -45,7 +45,7 @@ def study(folder: Path, plan: str = PLAN) -> Path:
 
 def test_tables_and_plot(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    found = bench(study(tmp_path), out)
+    found = bench(study(tmp_path), out, trust=True)
     assert [row[:4] for row in found.rows[:3]] == [
         ("curves", "first", n, 1 / n**2) for n in (1, 2, 4)
     ]
@@ -69,7 +69,7 @@ def test_a_failing_program_is_named(tmp_path: Path) -> None:
         PLAN.replace('["points.py"]', '["-c", "raise SystemExit(\'out of order\')"]'),
     )
     with pytest.raises(ContbedError, match="failed: out of order"):
-        bench(broken, tmp_path / "out")
+        bench(broken, tmp_path / "out", trust=True)
 
 
 @each_case(__file__, "mistakes_in_the_list_of_programs_are_told")
@@ -78,7 +78,9 @@ def test_mistakes_in_the_list_of_programs_are_told(
 ) -> None:
     refused(
         told,
-        lambda: bench(study(tmp_path, PLAN.replace(old, new)), tmp_path / "out"),
+        lambda: bench(
+            study(tmp_path, PLAN.replace(old, new)), tmp_path / "out", trust=True
+        ),
     )
     assert not (tmp_path / "out").exists()
 
@@ -91,7 +93,7 @@ def test_what_is_no_point_of_a_curve_is_told(tmp_path: Path, printed: str) -> No
     folder = study(tmp_path)
     (folder / "points.py").write_text(f"print({printed!r})", encoding="utf-8")
     with pytest.raises(ContbedError, match=r"points\.py printed .*; expected a line"):
-        bench(folder, tmp_path / "out")
+        bench(folder, tmp_path / "out", trust=True)
 
 
 def test_a_program_without_points_and_a_list_without_programs_are_told(
@@ -100,16 +102,24 @@ def test_a_program_without_points_and_a_list_without_programs_are_told(
     folder = study(tmp_path)
     (folder / "points.py").write_text("", encoding="utf-8")
     with pytest.raises(ContbedError, match="printed no point of its curve"):
-        bench(folder, tmp_path / "out")
+        bench(folder, tmp_path / "out", trust=True)
     (folder / "bench" / "bench.toml").write_text(
         'title = "nothing"\n', encoding="utf-8"
     )
-    refused("nothing to measure", lambda: bench(folder, tmp_path / "out"))
+    refused("nothing to measure", lambda: bench(folder, tmp_path / "out", trust=True))
 
 
 def test_a_study_without_programs(tmp_path: Path) -> None:
     with pytest.raises(ContbedError, match=r"bench\.toml"):
         bench(tmp_path, tmp_path / "out")
+
+
+def test_programs_run_only_where_the_study_is_trusted(tmp_path: Path) -> None:
+    refused(
+        r"bench.toml: runs programs: points.py, .*add --trust",
+        lambda: bench(study(tmp_path), tmp_path / "out"),
+    )
+    assert not (tmp_path / "out").exists()
 
 
 def test_time_at_an_error() -> None:

@@ -1,10 +1,10 @@
 """Run time against error: a study's own programs, measured in one session on one
 machine.
 
-    python -m studies run two_energy_benchmark
+    contbed bench studies/two_energy_benchmark --trust
 
-`STUDY/bench/bench.toml` lists the programs; all run in the study's folder with this
-Python, on one thread.
+`STUDY/bench/bench.toml` lists the programs, which run only with --trust; all run in the
+study's folder with this Python, on one thread.
 
     repeats = 5                                  # runs of each case of a race
     [curves]                                     # points of run time against error, one program a curve
@@ -127,21 +127,25 @@ class Bench:
         return "\n".join(lines + [""] * bool(self.skipped) + list(self.skipped))
 
 
-def bench(study: str | Path, out: str | Path) -> Bench:
+def bench(study: str | Path, out: str | Path, trust: bool = False) -> Bench:
     """Measure a study; writes bench.txt, bench.csv and bench.png into `out`.
 
     Parameters
     ----------
     study : its folder
     out : folder for the results
+    trust : run the programs that the study names; without it they are only listed, in
+        the error
 
     Raises
     ------
-    SceneError : mistakes in bench.toml
+    SceneError : mistakes in bench.toml, or the study is not trusted
     ContbedError : the study has no bench.toml, or one of its programs fails
     """
     study, out = Path(study).resolve(), Path(out).resolve()
     plan = _read(study / "bench" / "bench.toml")
+    if not trust:
+        raise SceneError(_refusal(study / "bench" / "bench.toml", plan))
     prepare_study(out, "bench.txt", "bench.csv", "bench.png")
     skipped: list[str] = []
     rows: list[Row] = []
@@ -193,6 +197,17 @@ def _read(file: Path) -> Settings:
             f"{file}:1: nothing to measure; give [curves], or [[race]] tables"
         )
     return found
+
+
+def _refusal(file: Path, plan: Settings) -> str:
+    """Return what to say about programs that are not trusted."""
+    curves = () if plan.curves is None else plan.curves.case
+    cases = [*curves, *(case for race in plan.race for case in race.case)]
+    programs = ", ".join(dict.fromkeys(" ".join(case.command) for case in cases))
+    return (
+        f"{file}: runs programs: {programs}; look at them, then add --trust, in "
+        "Python bench(..., trust=True)"
+    )
 
 
 def _present(cases: tuple[Case, ...], skipped: list[str]) -> list[Case]:
