@@ -5,7 +5,7 @@ volume-flow balance.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,8 +16,11 @@ from contbed.fem.skfem import System
 from contbed.fem.tensor_error import TensorGrid
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed.equations import porous_flow
-from contbed.solvers.linear import Policy
+from contbed.result import Result
 from contbed.solvers.newton import Options, newton
+
+if TYPE_CHECKING:
+    from contbed.packed_bed.plan import Plan
 
 AT_REST = 1.0  # velocity scale [m/s] where nothing moves; any rounds the drag
 PARALLEL = 1e-9  # a wall counts as parallel to a direction below this sine
@@ -46,7 +49,6 @@ class Flow:
 
     system: System
     state: Any
-    history: list[float]
     porosity: float
     local: LocalProperties | None = None
     share: float = 1.0
@@ -132,39 +134,45 @@ def _slip_axis(mesh: Mesh, boundary: str) -> int:
     return axis
 
 
-def solve_flow(
-    mesh: Mesh,
-    c: porous_flow.Coefficients,
-    inlet: Any,
-    conditions: dict[str, str],
-    policy: Policy,
-    options: Options,
-    before: Flow | None = None,
+def solved_flow(
+    plan: Plan,
+    before: Flow | None,
+    result: Result,
     local: LocalProperties | None = None,
+    share: float = 1.0,
 ) -> Flow:
     """Newton from uniform flow, or from the flow `before` on this or another mesh of
     the same bed.
 
-    `conditions` maps each boundary to inlet, outlet, no_slip or slip; `local` are
-    properties that vary in the bed.
+    `local` are properties that vary in the bed; for `share` see `Flow`.
 
     Inlet nodes keep the inlet velocity also where a no-slip wall begins, so that the
     volume flow is the prescribed one.
     """
-    equations = flow_equations(mesh, c, inlet, conditions, local)
+    plan = replace(plan, velocity=plan.velocity * share)
+    equations = equations_of(plan, local)
     system = equations.system
     state = np.zeros(system.size)
-    system.part(state, "u")[:] = np.asarray(inlet, dtype=float)[:, None]
+    system.part(state, "u")[:] = plan.velocity[:, None]
     if before is not None:
         _carry(before, system, state)
     state, history = newton(
         equations.residual,
         equations.with_given(state),
         equations.fixed,
-        system.ordered(policy),
-        options,
+        system.ordered(plan.policy),
+        Options.of(plan.scene, what="flow"),
     )
-    return Flow(system, state, history, c.porosity, local)
+    result.history += history
+    return Flow(system, state, plan.scene.packed_bed.porosity, local, share)
+
+
+def equations_of(
+    plan: Plan, local: LocalProperties | None, system: System | None = None
+) -> FlowEquations:
+    """Return the discrete equations of the flow of a plan; see `flow_equations`."""
+    c, inlet = coefficients(plan), plan.velocity
+    return flow_equations(plan.mesh, c, inlet, plan.conditions, local, system)
 
 
 @dataclass(frozen=True)
@@ -202,8 +210,10 @@ def flow_equations(
     local: LocalProperties | None = None,
     system: System | None = None,
 ) -> FlowEquations:
-    """Return the discrete equations of a flow; see `solve_flow`. `system` is that of
-    an earlier flow on this mesh.
+    """Return the discrete equations of a flow; see `solved_flow`.
+
+    `conditions` maps each boundary to inlet, outlet, no_slip or slip; `system` is that
+    of an earlier flow on this mesh.
     """
     dim = mesh.skfem.dim()
     # of the drag where the fluid moves with the bed
@@ -272,17 +282,15 @@ def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:
     return {_slip_axis(mesh, name): 0.0}
 
 
-def coefficients(
-    scene: Any, medium: Any, velocity: Any, velocity_solid: Any
-) -> porous_flow.Coefficients:
-    """Return the momentum coefficients of a scene at the fluid's inlet temperature."""
+def coefficients(plan: Plan) -> porous_flow.Coefficients:
+    """Return the momentum coefficients of a plan at the fluid's inlet temperature."""
+    medium = plan.medium
     return porous_flow.Coefficients(
         density=medium.mass_flux_scale(),
         viscosity=float(medium.fluid.viscosity(medium.T_fluid_in)),
-        porosity=scene.packed_bed.porosity,
+        porosity=plan.scene.packed_bed.porosity,
         permeability=medium.packing("permeability"),
         forchheimer=medium.packing("forchheimer"),
-        velocity_solid=Components(float(v) for v in velocity_solid),
-        speed=float(np.linalg.norm(velocity) + np.linalg.norm(velocity_solid))
-        or AT_REST,
+        velocity_solid=Components(float(v) for v in plan.velocity_solid),
+        speed=plan.speed or AT_REST,
     )

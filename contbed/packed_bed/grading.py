@@ -21,7 +21,7 @@ from contbed.mesh.grading import (
 )
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
-from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
+from contbed.scene.mesh import MeshFile, MeshLine
 from contbed.scene.series import ProfileFile
 
 FRONT_CELLS = 4000  # cells of a bed with tracked fronts
@@ -92,9 +92,8 @@ def _graded(
     number of cells or of any.
     """
     mesh = scene.mesh
-    axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
     assert not isinstance(mesh, MeshFile | MeshLine)
-    extent = mesh.extents[direction]
+    axis, extent = mesh.axis, mesh.extents[direction]
     layers = widened(_radiation_layers(scene, medium, direction, extent), extent)
     if direction == axis and scene.heat is not None:
         layers += axial_layers(
@@ -329,5 +328,5 @@ def _matters(
 
 def _end(scene: s.Scene, position: float) -> str:
     mesh = scene.mesh
-    low, high = mesh.sides[1 if isinstance(mesh, MeshAxisymmetric) else 0]  # type: ignore[union-attr]
+    low, high = mesh.sides[mesh.axis]  # type: ignore[union-attr]
     return high if position > 0 else low

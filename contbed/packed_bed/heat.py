@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,20 +14,22 @@ from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
 from contbed.fem.ad.dual import plain
 from contbed.fem.domain import Domain
-from contbed.fem.skfem import Ops
-from contbed.mesh.mesh import Mesh
+from contbed.fem.skfem import Ops, System
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.equations import two_energy
-from contbed.packed_bed.heat_coefficients import HeatCoefficients, Motion
+from contbed.packed_bed.heat_coefficients import HeatCoefficients
+from contbed.packed_bed.inlets import inlet_temperature
 from contbed.packed_bed.inside import modes
-from contbed.packed_bed.medium import Medium
+from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.radiation import coupling
-from contbed.packed_bed.recognition import inlet_temperature
 from contbed.packed_bed.schedule import ScheduleInterval, initial_range, initial_values
 from contbed.scene.mesh import SIDE, MeshLine
 from contbed.solvers.condensed import Modes
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import Options, newton
+
+if TYPE_CHECKING:
+    from contbed.packed_bed.flow import Flow
 
 INSIDE = ""  # in place of the name of a boundary: heat that enters the bed through none
 PHASES = ("fluid", "solid")
@@ -50,43 +52,22 @@ class HeatProblem:
 
     def __init__(
         self,
-        scene: s.Scene,
-        mesh: Mesh,
-        medium: Medium,
-        motion: Motion,
-        section: float = 1.0,
+        plan: Plan,
+        flow: Flow | None = None,
         interval: ScheduleInterval | None = None,
-        system: Any = None,
+        system: System | None = None,
     ):
-        self.scene, self.mesh, self.medium = scene, mesh, medium
-        self.motion, self.interval = motion, interval
-        self.degree = degree = scene.solver.degree
-        order = (
-            2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
-        )
-        if motion.flow is not None:
-            # the divergence vanishes in the quadrature of the flow
-            order = max(order, motion.flow.system.order)
-        self.radiation = coupling(scene)
-        self.modes = modes(scene)
-        names = (
-            two_energy.FIELDS
-            if self.radiation is None
-            else (*two_energy.FIELDS, *self.radiation.fields)
-        )
-        names = (*names, *(mode.name for mode in self.modes))
-        fields = dict.fromkeys(names, (degree, 0))
-        self.system = (
-            make_system(mesh, fields, order, section) if system is None else system
-        )
-        self.linear = medium.constant
+        self.scene, self.mesh, self.medium = plan.solved, plan.mesh, plan.medium
+        self.flow, self.interval = flow, interval
+        scene, mesh = self.scene, self.mesh
+        self.linear = self.medium.constant
+        self.radiation, self.modes = coupling(scene), modes(scene)
+        self.system = self._system(plan.section) if system is None else system
         self.T_span = self._temperature_range()
         self.weights = self._weights()
         self.lower = self._lower()
         cells = self.system.cells
-        self.build = HeatCoefficients(
-            scene, mesh, medium, motion, self.system, self.radiation
-        )
+        self.build = HeatCoefficients(plan, flow, self.system, self.radiation)
         self.coefficients = self.moving = self.build.of(cells)
         self._storage: list[Any] = [(two_energy.storage, cells, self.coefficients)]
         self.boundaries = list(mesh.boundaries)
@@ -117,6 +98,17 @@ class HeatProblem:
         self.fixed, self.fixed_values, self.fixed_owner, self._prescribed = (
             self._dirichlet_values()
         )
+
+    def _system(self, section: float) -> System:
+        """Return the unknowns and their quadrature."""
+        degree = self.scene.solver.degree
+        order = 2 * degree + self.mesh.axisymmetric + 2 * (not self.linear)
+        if self.flow is not None:
+            # the divergence vanishes in the quadrature of the flow
+            order = max(order, self.flow.system.order)
+        radiant = () if self.radiation is None else self.radiation.fields
+        names = (*two_energy.FIELDS, *radiant, *(mode.name for mode in self.modes))
+        return make_system(self.mesh, dict.fromkeys(names, (degree, 0)), order, section)
 
     def _heat_balances(self) -> list[Any]:
         """Return the forms of the cells and of all boundaries that heat crosses, with
@@ -200,7 +192,7 @@ class HeatProblem:
         velocity.
         """
         fluid = self.medium.fluid
-        if fluid.constant or not np.any(self.motion.fluid):
+        if fluid.constant or not np.any(self.build.velocities["fluid"]):
             return
         assert self.interval is not None
         now = self.interval.scene.model_copy(update={"boundary": boundary})
@@ -218,7 +210,7 @@ class HeatProblem:
     @property
     def share(self) -> float:
         """Mass flux of the fluid over that at the density of the medium."""
-        return self.build.motion.share
+        return self.build.share
 
     def _temperature_range(self) -> tuple[float, float]:
         found: list[Any] = [

@@ -5,7 +5,8 @@ stabilisation, sources, walls.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from copy import copy
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,11 +17,10 @@ from contbed.fem.ad.dual import Components, plain
 from contbed.fem.domain import Domain
 from contbed.fem.skfem import Ops, System
 from contbed.fem.stabilisation import tau
-from contbed.mesh.mesh import Mesh
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.equations import two_energy
 from contbed.packed_bed.inside import Mode, modes
-from contbed.packed_bed.medium import Medium
+from contbed.packed_bed.plan import Plan
 from contbed.scene.mesh import SIDE
 
 if TYPE_CHECKING:
@@ -30,32 +30,19 @@ if TYPE_CHECKING:
 TINY = 1e-30
 
 
-@dataclass(frozen=True)
-class Motion:
-    """Superficial velocities of both phases: uniform vectors, or a computed flow for
-    the fluid.
-
-    `share` is the mass flux of the fluid over that at the density of the medium.
-    """
-
-    fluid: Any
-    solid: Any
-    flow: Flow | None = None
-    share: float = 1.0
-
-
-@dataclass(frozen=True)
 class HeatCoefficients:
-    """Coefficients of the forms of `equations.two_energy` on any domain; `radiation`
-    couples radiation.
+    """Coefficients of the forms of `equations.two_energy` on any domain.
+
+    Velocities are uniform vectors, or a computed `flow` for the fluid; `share` is the
+    mass flux of the fluid over that at the density of the medium. `radiation` couples
+    radiation.
     """
 
-    scene: s.Scene
-    mesh: Mesh
-    medium: Medium
-    motion: Motion
-    system: System
-    radiation: Any
+    def __init__(self, plan: Plan, flow: Flow | None, system: System, radiation: Any):
+        self.scene, self.mesh, self.medium = plan.solved, plan.mesh, plan.medium
+        self.velocities = {"fluid": plan.velocity, "solid": plan.velocity_solid}
+        self.flow, self.system, self.radiation = flow, system, radiation
+        self.share = 1.0
 
     def condition(self, boundary: str, phase: str) -> s.PhaseCondition | None:
         """Return the thermal condition of one phase on one boundary."""
@@ -64,13 +51,13 @@ class HeatCoefficients:
 
     def _velocity(self, phase: str, where: Domain) -> Any:
         """Return the velocity of a phase on a domain; None when it rests."""
-        if phase == "fluid" and self.motion.flow is not None:
-            flow = self.motion.flow
-            velocity = flow.velocity * (self.motion.share / flow.share)
+        flow = self.flow
+        if phase == "fluid" and flow is not None:
+            velocity = flow.velocity * (self.share / flow.share)
             return self.system.known(where, flow.system.fields["u"][0], velocity)
-        vector = np.asarray(getattr(self.motion, phase))
+        vector = self.velocities[phase]
         if phase == "fluid":
-            vector = vector * self.motion.share
+            vector = vector * self.share
         return Components(float(v) for v in vector) if np.any(vector) else None
 
     def _speed(self, where: Domain) -> Callable[[Any], Any]:
@@ -80,12 +67,9 @@ class HeatCoefficients:
         """
         scale = self.medium.mass_flux_scale()
         fluid, solid = self._velocity("fluid", where), self._velocity("solid", where)
-        if self.motion.flow is None and self.medium.fluid.constant:
-            speed = float(
-                np.linalg.norm(
-                    np.asarray(self.motion.fluid) - np.asarray(self.motion.solid)
-                )
-            )
+        if self.flow is None and self.medium.fluid.constant:
+            relative = self.velocities["fluid"] - self.velocities["solid"]
+            speed = float(np.linalg.norm(relative))
             return lambda density: speed
         if fluid is None and solid is None:
             return lambda density: 0.0  # without the kink of the norm at 0
@@ -127,7 +111,8 @@ class HeatCoefficients:
         The functions that test the balances stay those of `start`, so that the rate of
         the content is tested as the content is.
         """
-        build = replace(self, motion=replace(self.motion, share=share))
+        build = copy(self)
+        build.share = share
         now, fluid = build.of(where), start.fluid
         tested = None if fluid.tau is None else fluid.tau / share
         fluid = replace(
@@ -213,7 +198,7 @@ class HeatCoefficients:
                     self.scene.solver.degree,
                 )
             )
-        computed = phase == "fluid" and self.motion.flow is not None
+        computed = phase == "fluid" and self.flow is not None
         return two_energy.Phase(
             mass_flux=flux,
             divergence=Ops(where).div(velocity) * density if computed else None,

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from contbed.packed_bed import scene as s
+from contbed.packed_bed.schedule import initial_range
 from contbed.scene.mesh import Mesh, MeshFile
 from contbed.scene.mesh_checks import axis_of
 from contbed.scene.series import VelocitySeries
@@ -109,4 +110,36 @@ def role(
     direction = enters(mesh, velocity, side)
     return (
         None if direction is None else {1: "inlet", -1: "outlet", 0: "slip"}[direction]
+    )
+
+
+def inlet_temperature(scene: s.Scene) -> float:
+    """Return the temperature of the entering fluid: a prescribed one, on the inlet
+    if that is known, else where its velocity is given.
+    """
+    found = [
+        (name, table.gas)
+        for name, table in scene.boundary.items()
+        if table.gas is not None
+    ]
+    velocity = velocity_vector(scene.mesh, scene.boundary, "fluid")
+
+    def rank(item: tuple[str, s.PhaseCondition]) -> tuple[bool, bool]:
+        name, condition = item
+        known = role(scene.mesh, velocity, name, scene.boundary)
+        return known != "inlet", condition.velocity is None
+
+    ranked = sorted(found, key=rank)
+    for _, condition in ranked:
+        for value in (
+            condition.temperature,
+            condition.fixed_temperature,
+            condition.ambient,
+        ):
+            if value is not None:
+                return float(value)  # type: ignore[arg-type]  # frozen: numbers stand in place of series
+    if scene.time is None:
+        return 300.0
+    return 0.5 * sum(
+        initial_range(scene.initial.given("fluid"), "fluid", scene.origin.base)
     )

@@ -11,16 +11,16 @@ by which density or viscosity have changed by more than `CHANGE`; in between it 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Line
-from contbed.packed_bed.flow import Flow, LocalProperties
+from contbed.packed_bed.flow import LocalProperties, solved_flow
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.shared import heat_problem, report_flow, solved_flow
+from contbed.packed_bed.shared import heat_problem, report_flow
 from contbed.result import Result
 
 TURNS = 40  # of flow and temperatures, each with the other's last solution
@@ -61,7 +61,7 @@ def settled(
         with result.timed("flow"):
             flow = solved_flow(
                 plan,
-                problem.motion.flow,
+                problem.flow,
                 result,
                 local_properties(plan, problem, state),
             )
@@ -145,9 +145,9 @@ class FlowOverTime:
             space, arrays["flow_expansion"], arrays["flow_viscosity"]
         )
         solved, self.change, share = (float(one) for one in arrays["flow_counts"])
-        before, self.solved = self.flow, int(solved)
-        self.flow = Flow(
-            before.system, arrays["flow_state"], [], before.porosity, local, share
+        self.solved = int(solved)
+        self.flow = replace(
+            self.flow, state=arrays["flow_state"], local=local, share=share
         )
 
 

@@ -24,7 +24,15 @@ from contbed.materials.curve import latent_heat_of
 from contbed.materials.pointwise import pointwise
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import At, all_bound
+from contbed.packed_bed.inlets import inlet_temperature
 from contbed.scene.boundary import conditions_of
+from contbed.scene.mesh import (
+    Mesh,
+    MeshAxisymmetric,
+    MeshBox,
+    MeshLine,
+    MeshRectangle,
+)
 
 # conduction inside counts as d/(10 k_s) in series with the film of spheres
 _INSIDE = {"spheres": 10.0, "rods": 8.0}
@@ -44,6 +52,19 @@ def solid_of(settings: s.Solid) -> Solid | None:
         settings.material or "solid",
         latent_heat=latent_heat_of(settings.melting),
     )
+
+
+def bed_diameter(mesh: Mesh) -> float:
+    """Return the hydraulic diameter of a built-in bed [m]; infinite without walls."""
+    if isinstance(mesh, MeshRectangle):
+        return 2.0 * mesh.height
+    if isinstance(mesh, MeshAxisymmetric):
+        return 2.0 * mesh.radius
+    if isinstance(mesh, MeshBox):
+        return 2.0 * mesh.width * mesh.height / (mesh.width + mesh.height)
+    if isinstance(mesh, MeshLine) and mesh.diameter is not None:
+        return mesh.diameter
+    return float("inf")
 
 
 @dataclass(frozen=True)
@@ -67,9 +88,7 @@ class Medium:
     tables: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of(
-        cls, scene: s.Scene, T_fluid_in: float, bed_diameter: float, fluid: Any = None
-    ) -> Medium:
+    def of(cls, scene: s.Scene, fluid: Any = None) -> Medium:
         """Resolve the materials of a scene; `fluid` if it is known from one with the
         same.
         """
@@ -77,8 +96,8 @@ class Medium:
             scene,
             fluid_of(scene.gas, scene.origin) if fluid is None else fluid,
             solid_of(scene.solid),
-            T_fluid_in,
-            bed_diameter,
+            inlet_temperature(scene),
+            bed_diameter(scene.mesh),
             _rosseland(scene),
             all_bound(scene),
         )

@@ -31,14 +31,12 @@ from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.checks import require_properties
 from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.heat_parts import parts_of_heat
-from contbed.packed_bed.inlets import bed_axis, velocity_vector
+from contbed.packed_bed.inlets import bed_axis, inlet_temperature, velocity_vector
 from contbed.packed_bed.inside import Inside, inside_of, modes, resolved
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.pressure import lifted
 from contbed.packed_bed.radiation import cheapest
 from contbed.packed_bed.recognition import (
-    bed_diameter,
-    inlet_temperature,
     is_plug_flow,
     role_in_flow,
     tracks_fronts,
@@ -77,7 +75,7 @@ class Plan:
 
     scene: s.Scene
     solved: s.Scene
-    medium: Any  # Medium; None for a medium that merely radiates
+    medium: Medium
     mesh: Mesh
     section: float
     velocity: Any
@@ -96,8 +94,15 @@ class Plan:
         if self.solved.mesh is self.scene.mesh:
             return boundary
         mesh = self.scene.mesh
-        low, high = mesh.sides[1 if isinstance(mesh, MeshAxisymmetric) else 0]  # type: ignore[union-attr]
+        low, high = mesh.sides[mesh.axis]  # type: ignore[union-attr]
         return {"left": low, "right": high}[boundary]
+
+    @property
+    def speed(self) -> float:
+        """Sum of the superficial speeds of both phases [m/s]."""
+        return float(
+            np.linalg.norm(self.velocity) + np.linalg.norm(self.velocity_solid)
+        )
 
     @property
     def radiates(self) -> bool:
@@ -227,11 +232,9 @@ class Plan:
         is solved.
         """
         velocity, solid = velocities(target)
-        medium = Medium.of(
-            target,
-            inlet_temperature(target),
-            bed_diameter(self.scene.mesh),
-            self.medium.fluid,
+        medium = replace(
+            Medium.of(target, self.medium.fluid),
+            bed_diameter=self.medium.bed_diameter,
         )
         conditions = {
             name: role_in_flow(target, self.mesh, name, velocity)
@@ -306,9 +309,7 @@ class Plan:
             )
         # a mixture takes long to make
         fluid = self.medium.fluid if scene.gas == self.scene.gas else None
-        medium = Medium.of(
-            target, inlet_temperature(target), bed_diameter(target.mesh), fluid
-        )
+        medium = Medium.of(target, fluid)
         line = None if self.solved.mesh is self.scene.mesh else on_a_line(target)
         target, section = line or (target, 1.0)
         velocity, solid = velocities(target)
@@ -360,12 +361,9 @@ class Plan:
         unknowns, more = self.unknowns(), []
         if unknowns and not self.fronts:
             more.append(advice(unknowns, self.policy))
-        text = (
-            lifted(self, np.array([self.medium.T_fluid_in]))
-            if self.medium is not None
-            else ""
-        )
-        return plan_text(self, *more, *([f"WARNING {text}"] if text else []))
+        if text := lifted(self, np.array([self.medium.T_fluid_in])):
+            more.append(f"WARNING {text}")
+        return plan_text(self, *more)
 
 
 def plan(scene: s.Scene) -> Plan:
@@ -388,7 +386,7 @@ def plan(scene: s.Scene) -> Plan:
     skipped: list[tuple[str, str]] = []
     inside = _inside(schedule, scene)
     scene = resolved(scene, inside)
-    medium = Medium.of(scene, inlet_temperature(scene), bed_diameter(scene.mesh), fluid)
+    medium = Medium.of(scene, fluid)
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
     lines, sides = lines_of(flows, medium, bool(schedule))
     line = lines[0] if all(lines) else None
@@ -508,8 +506,7 @@ def _inside(schedule: Schedule, scene: s.Scene) -> Inside | None:
     """
     if scene.heat is None:
         return None
-    bare = scene.with_inside(None)
-    medium = Medium.of(bare, inlet_temperature(scene), bed_diameter(scene.mesh))
+    medium = Medium.of(scene.with_inside(None))
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
     moving = [each for each in flows if np.any(velocities(each)[0])]
     found = [

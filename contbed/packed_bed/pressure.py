@@ -27,7 +27,6 @@ import numpy as np
 
 from contbed.arrays import Array
 from contbed.packed_bed.inlets import velocity_key
-from contbed.packed_bed.medium import Medium
 from contbed.scene.toml_lines import parse_key
 
 GRAVITY = 9.81  # m/s2
@@ -43,50 +42,37 @@ class Stream(NamedTuple):
     pressure: Array
 
 
-def along_bed(
-    medium: Medium,
-    x: Array,
-    T: Array,
-    velocity: Array,
-    velocity_solid: Array,
-    axis: int,
-) -> Stream:
-    """Integrate the pressure gradient along a bed.
+def along_bed(plan: Any, x: Array, T: Array) -> Stream:
+    """Integrate the pressure gradient along the bed of a plan.
 
     Parameters
     ----------
-    medium : closures and properties
     x : coordinate along the bed [m] (n,), increasing
     T : temperature of the fluid there [K] (n,)
-    velocity, velocity_solid : superficial (dimension,), that of the fluid at the
-        density of the inlet [m/s]
-    axis : component of the velocities that is along the bed
 
     Returns
     -------
     Stream of arrays (n,); the pressure is zero where the fluid leaves. The trapezoidal rule is used between the points.
     """
-    u, density, gradient = _resistance(medium, T, velocity, velocity_solid, axis)
+    u, density, gradient = _resistance(plan, T)
     risen = np.concatenate(
         ([0.0], np.cumsum(0.5 * (gradient[1:] + gradient[:-1]) * np.diff(x)))
     )
-    pressure = risen - density * u**2 / medium.scene.packed_bed.porosity**2
-    return Stream(u, density, pressure - pressure[-1 if velocity[axis] >= 0 else 0])
+    pressure = risen - density * u**2 / plan.scene.packed_bed.porosity**2
+    outlet = -1 if plan.velocity[plan.mesh.axis] >= 0 else 0
+    return Stream(u, density, pressure - pressure[outlet])
 
 
-def _resistance(
-    medium: Medium, T: Array, velocity: Array, velocity_solid: Array, axis: int
-) -> tuple[Array, Array, Array]:
+def _resistance(plan: Any, T: Array) -> tuple[Array, Array, Array]:
     """Return velocity [m/s], density [kg/m3] and the pressure gradient by
     drag [Pa/m] at temperatures (n,).
     """
+    medium, axis = plan.medium, plan.mesh.axis
     permeability = medium.packing("permeability")
-    density = np.broadcast_to(np.asarray(medium.fluid.density(T), dtype=float), T.shape)
-    viscosity = np.broadcast_to(
-        np.asarray(medium.fluid.viscosity(T), dtype=float), T.shape
-    )
-    u = medium.mass_flux_scale() * velocity[:, None] / density
-    w = u - velocity_solid[:, None]
+    density = np.broadcast_to(medium.fluid.density(T), T.shape)
+    viscosity = np.broadcast_to(medium.fluid.viscosity(T), T.shape)
+    u = medium.mass_flux_scale() * plan.velocity[:, None] / density
+    w = u - plan.velocity_solid[:, None]
     speed = np.sqrt(np.sum(w**2, axis=0))
     drag = (
         viscosity / permeability
@@ -110,9 +96,7 @@ def lifted(plan: Any, T: Array) -> str:
     upwards = velocity > 0 if upright else velocity * solid <= 0
     if medium.solid is None or velocity == 0.0 or not upwards:
         return ""
-    _, density, gradient = _resistance(
-        medium, T, plan.velocity, plan.velocity_solid, axis
-    )
+    _, density, gradient = _resistance(plan, T)
     weight = (
         (1.0 - medium.scene.packed_bed.porosity)
         * (medium.solid.density(T) - density)

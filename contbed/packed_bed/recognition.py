@@ -14,14 +14,10 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.inlets import role, velocity_vector
 from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
-from contbed.packed_bed.schedule import initial_range
-from contbed.scene.mesh import Mesh as MeshSettings
 from contbed.scene.mesh import (
     MeshAxisymmetric,
-    MeshBox,
     MeshFile,
     MeshLine,
-    MeshRectangle,
 )
 from contbed.scene.series import ProfileFile
 
@@ -37,51 +33,6 @@ def velocities(scene: s.Scene) -> tuple[Any, Any]:
     return np.array(fluid, dtype=float), np.array(solid, dtype=float)
 
 
-def inlet_temperature(scene: s.Scene) -> float:
-    """Return the temperature of the entering fluid: a prescribed one, on the inlet
-    if that is known, else where its velocity is given.
-    """
-    found = [
-        (name, table.gas)
-        for name, table in scene.boundary.items()
-        if table.gas is not None
-    ]
-    velocity = velocity_vector(scene.mesh, scene.boundary, "fluid")
-
-    def rank(item: tuple[str, s.PhaseCondition]) -> tuple[bool, bool]:
-        name, condition = item
-        known = role(scene.mesh, velocity, name, scene.boundary)
-        return known != "inlet", condition.velocity is None
-
-    ranked = sorted(found, key=rank)
-    for _, condition in ranked:
-        for value in (
-            condition.temperature,
-            condition.fixed_temperature,
-            condition.ambient,
-        ):
-            if value is not None:
-                return float(value)  # type: ignore[arg-type]  # frozen: numbers stand in place of series
-    if scene.time is None:
-        return 300.0
-    return 0.5 * sum(
-        initial_range(scene.initial.given("fluid"), "fluid", scene.origin.base)
-    )
-
-
-def bed_diameter(mesh: MeshSettings) -> float:
-    """Return the hydraulic diameter of a built-in bed [m]; infinite without walls."""
-    if isinstance(mesh, MeshRectangle):
-        return 2.0 * mesh.height
-    if isinstance(mesh, MeshAxisymmetric):
-        return 2.0 * mesh.radius
-    if isinstance(mesh, MeshBox):
-        return 2.0 * mesh.width * mesh.height / (mesh.width + mesh.height)
-    if isinstance(mesh, MeshLine) and mesh.diameter is not None:
-        return mesh.diameter
-    return float("inf")
-
-
 def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
     """Return the same scene on a line and its cross-section [m2], where nothing
     varies across the bed.
@@ -91,7 +42,7 @@ def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
         mesh.cells is not None and mesh.refine
     ):
         return None
-    axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
+    axis = mesh.axis
     vectors = [
         velocity_vector(mesh, scene.boundary, phase) for phase in ("fluid", "solid")
     ]
@@ -107,19 +58,16 @@ def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
         given = table.heated or table.radiation or table.type not in (None, "slip")
         if name not in (low, high) and given:
             return None
-    if isinstance(mesh, MeshRectangle):
-        section, cells = mesh.height, mesh.cells and mesh.cells[0]
-    elif isinstance(mesh, MeshAxisymmetric):
-        section, cells = np.pi * mesh.radius**2, mesh.cells and mesh.cells[1]
-    else:
-        section, cells = mesh.width * mesh.height, mesh.cells and mesh.cells[0]
+    section = float(np.prod(mesh.extents[1:]))
+    if isinstance(mesh, MeshAxisymmetric):
+        section = np.pi * mesh.radius**2
     ends = {low: "left", high: "right"}
     line = scene.model_copy(
         update={
             "mesh": MeshLine(
                 type="line",
                 length=mesh.length,
-                cells=cells,
+                cells=mesh.cells and mesh.cells[axis],
                 graded=mesh.graded,
                 refine=mesh.refine,
             ),
@@ -130,7 +78,7 @@ def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
             },
         }
     )
-    return line, float(section)
+    return line, section
 
 
 def _on_a_line(table: s.Boundary, axis: int) -> s.Boundary:

@@ -254,7 +254,7 @@ def _stream(
                 else _mean_stay(medium, problem, states[-1])
             )
             result.qoi["residence_time_s"] = medium.scene.packed_bed.porosity * mean
-    elif problem.motion.flow is not None:
+    elif problem.flow is not None:
         density = np.broadcast_to(medium.fluid.density(fluid[-1]), fluid[-1].shape)
         if header("u") in result.profiles:
             result.profiles[header("rho_fluid")] = density
@@ -270,18 +270,14 @@ def _along(plans: list[Plan], line: Line, x: Any, fluid: Any, result: Result) ->
     """Report velocity, density and pressure along the bed by the temperatures of the
     fluid at x [m], one row for each plan; return the velocities of the last [m/s].
     """
-    axis = plans[-1].mesh.axis
-    streams = [
-        along_bed(each.medium, x, T, each.velocity, each.velocity_solid, axis)
-        for each, T in zip(plans, fluid, strict=True)
-    ]
+    streams = [along_bed(plan, x, T) for plan, T in zip(plans, fluid, strict=True)]
     for name, column in (("u", "u"), ("rho_fluid", "density"), ("p", "pressure")):
         values = [getattr(stream, column) for stream in streams]
         if x is not line.positions:
             values = [np.interp(line.positions, x, value) for value in values]
         result.profiles[header(name)] = np.concatenate(values)
-    last = streams[-1]
-    if plans[-1].velocity[axis]:
+    plan, last = plans[-1], streams[-1]
+    if plan.velocity[plan.mesh.axis]:
         drop = abs(last.pressure[-1] - last.pressure[0])
         result.qoi["pressure_drop_Pa"] = float(drop)
     return last.u
@@ -417,7 +413,7 @@ def transient_findings(
     _profiles(plan.at(times), line, problem, snapshots, times, result)
     flow = dict(result.nodal)
     # `flow` is that at the end
-    changes = problem.motion.flow is not None and problem.motion.flow.local is not None
+    changes = problem.flow is not None and problem.flow.local is not None
     result.series = [
         (time, ({} if changes and time < times[-1] else flow) | _nodal(problem, state))
         for time, state in zip(times, snapshots, strict=True)

@@ -17,7 +17,6 @@ from contbed.packed_bed.shared import (
     heat_balance,
     heat_problem,
     report_flow,
-    solved_flow,
 )
 from contbed.result import Result
 
@@ -89,6 +88,8 @@ def _line_and_flow(plan: Plan, before: Any, result: Result) -> tuple[Line, Any]:
         [line.note] if line.note and line.note not in result.warnings else []
     )
     if not plan.plug:
+        from contbed.packed_bed.flow import solved_flow
+
         with result.timed("flow"):
             flow = solved_flow(plan, before, result)
             report_flow(plan, line, flow, result)
@@ -200,7 +201,7 @@ def _steady(
         problem, state = settled(plan, line, problem, state, result)
     with result.timed("results"):
         better, estimate = _better(
-            plan, problem.motion.flow, problem, state, before, last, result
+            plan, problem.flow, problem, state, before, last, result
         )
     if better is not None:
         return better, estimate
@@ -216,7 +217,7 @@ def _steady(
     with result.timed("results"):
         result.balances["energy"] = balance
         steady_findings(plan, line, problem, state, fluxes, conducted, result)
-        result.solved = Solved(line, problem, state, problem.motion.flow)
+        result.solved = Solved(line, problem, state, problem.flow)
         check_state(plan, problem, [state], result)
     return None, estimate
 

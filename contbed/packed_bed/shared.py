@@ -4,7 +4,7 @@ temperatures, balances and checks.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
@@ -18,7 +18,6 @@ from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.schedule import ScheduleInterval
 from contbed.result import Result, outside
 from contbed.scene.boundary import conditions_of
-from contbed.solvers.newton import Options
 
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
 
@@ -51,44 +50,16 @@ def heat_problem(
     earlier one on this mesh.
     """
     from contbed.packed_bed.heat import HeatProblem
-    from contbed.packed_bed.heat_coefficients import Motion
 
     with result.timed("heat setup"):
-        motion = Motion(plan.velocity, plan.velocity_solid, flow)
-        problem = HeatProblem(
-            plan.solved, plan.mesh, plan.medium, motion, plan.section, interval, system
-        )
+        problem = HeatProblem(plan, flow, interval, system)
     result.warnings += [text for text in problem.idle if text not in result.warnings]
     return problem
 
 
-def solved_flow(
-    plan: Plan, before: Any, result: Result, local: Any = None, share: float = 1.0
-) -> Any:
-    """Solve for the flow, from the one `before` if there is one, with `local`
-    properties if they vary; `share` is that of `Flow`.
-    """
-    from contbed.packed_bed.flow import coefficients, solve_flow
-
-    scene, velocity = plan.scene, plan.velocity * share
-    c = coefficients(scene, plan.medium, velocity, plan.velocity_solid)
-    flow = solve_flow(
-        plan.mesh,
-        c,
-        velocity,
-        plan.conditions,
-        plan.policy,
-        Options.of(scene, what="flow"),
-        before,
-        local,
-    )
-    result.history += flow.history
-    return replace(flow, share=share)
-
-
 def report_flow(plan: Plan, line: Line, flow: Any, result: Result) -> None:
     """Fill in the balance of the volume, the fields and the named results of a flow."""
-    from contbed.packed_bed.flow import coefficients
+    from contbed.packed_bed.flow import AT_REST
     from contbed.packed_bed.results import flow_findings
 
     # volumes at the density of the fluid that enters
@@ -97,10 +68,7 @@ def report_flow(plan: Plan, line: Line, flow: Any, result: Result) -> None:
     # nothing crosses walls; what moves between them is the scale
     if "outlet" not in plan.conditions.values():
         extents = np.ptp(plan.mesh.skfem.p, axis=1)
-        speed = coefficients(
-            plan.scene, plan.medium, plan.velocity, plan.velocity_solid
-        ).speed
-        floor = speed * float(extents.prod() / extents.max())
+        floor = (plan.speed or AT_REST) * float(extents.prod() / extents.max())
     balance = Balance.of_fluxes((-v for v in outflow.values()), "m3/s", floor=floor)
     result.balances["fluid volume"] = balance.as_dict()
     result.nodal |= {

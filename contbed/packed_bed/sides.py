@@ -16,7 +16,6 @@ lies outside of those given (maximum principle), the second by the balance alone
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -81,7 +80,7 @@ def without_sides(scene: s.Scene) -> s.Scene:
     mesh = scene.mesh
     if isinstance(mesh, MeshFile | MeshLine):
         return scene
-    ends = mesh.sides[_axis(mesh)]
+    ends = mesh.sides[mesh.axis]
     kept = {
         name: table
         for name, table in scene.boundary.items()
@@ -114,7 +113,7 @@ def error_without_sides(scene: s.Scene, medium: Medium) -> float | None:
     span = _span(scene)
     if carried is None or span == 0.0:
         return None
-    axis, relative = _axis(mesh), float(np.linalg.norm(fluid - solid))
+    axis, relative = mesh.axis, float(np.linalg.norm(fluid - solid))
     extents = mesh.extents
     exchanged = given = 0.0
     for k, names in enumerate(mesh.sides):
@@ -140,10 +139,6 @@ def error_without_sides(scene: s.Scene, medium: Medium) -> float | None:
         condition.heat_flux for condition in _conditions(scene.boundary.values())
     )
     return None if exchanged and fluxes else exchanged + given
-
-
-def _axis(mesh: Any) -> int:
-    return 1 if isinstance(mesh, MeshAxisymmetric) else 0
 
 
 def _conditions(tables: Iterable[s.Boundary]) -> Iterator[s.PhaseCondition]:

@@ -21,16 +21,15 @@ from contbed.packed_bed.flow import (
     Flow,
     FlowEquations,
     LocalProperties,
-    coefficients,
-    flow_equations,
+    equations_of,
+    solved_flow,
 )
 from contbed.packed_bed.heat import HeatProblem
-from contbed.packed_bed.heat_coefficients import Motion
 from contbed.packed_bed.local_flow import local_properties
 from contbed.packed_bed.over_time import Run
 from contbed.packed_bed.results import steady_findings
 from contbed.packed_bed.run import steady_balance
-from contbed.packed_bed.shared import overshoot, report_flow, solved_flow
+from contbed.packed_bed.shared import overshoot, report_flow
 from contbed.packed_bed.transient import HeatSteps
 from contbed.result import Result
 from contbed.solvers.anderson import Anderson
@@ -122,24 +121,13 @@ class _End:
         plan = self.plan
         if self.flow is not None and self.flow.local is not None:
             self.local = local_properties(plan, self.problem, self.state)
-        made = _flow_of(plan, self.local, self.flow_system)
+        made = equations_of(plan, self.local, self.flow_system)
         self.flow_system = made.system
         return made
 
     def heat(self) -> None:
         """Make the problem of the temperatures in the flow as it is now."""
-        plan, motion = (
-            self.plan,
-            Motion(self.plan.velocity, self.plan.velocity_solid, self.flow),
-        )
-        self.problem = HeatProblem(
-            plan.solved,
-            plan.mesh,
-            plan.medium,
-            motion,
-            plan.section,
-            system=self.heat_system,
-        )
+        self.problem = HeatProblem(self.plan, self.flow, system=self.heat_system)
         self.heat_system = self.problem.system
 
     def results(self) -> dict[str, Any]:
@@ -236,7 +224,7 @@ class Steady:
         ):
             raise UnlikeError(OTHER)
         if self._flow is None:
-            middle = _flow_of(self.plan, self.flow.local, self.flow.system)
+            middle = equations_of(self.plan, self.flow.local, self.flow.system)
             matrix = middle.residual(self.flow.state, True)[1]
             self._flow = Response(
                 matrix, middle.fixed, self.flow.system.ordered(self.plan.policy)
@@ -244,9 +232,8 @@ class Steady:
         starts = [one.with_given(self.flow.state) for one in equations]
         states, _ = self._flow.states(starts, [one.residual for one in equations])
         for end, one, state in zip(ends, equations, states, strict=True):
-            end.flow = Flow(
-                one.system, state, [], end.plan.solved.packed_bed.porosity, end.local
-            )
+            porosity = end.plan.solved.packed_bed.porosity
+            end.flow = Flow(one.system, state, porosity, end.local)
 
     def _move_heat(self, ends: list[_End]) -> None:
         for end in ends:
@@ -264,12 +251,6 @@ class Steady:
         states, residuals = self._heat.states(starts, sides)
         for end, state, residual in zip(ends, states, residuals, strict=True):
             end.state, end.residual = state, residual
-
-
-def _flow_of(plan: Any, local: LocalProperties | None, system: Any) -> FlowEquations:
-    """Return the equations of the flow of a plan."""
-    c = coefficients(plan.solved, plan.medium, plan.velocity, plan.velocity_solid)
-    return flow_equations(plan.mesh, c, plan.velocity, plan.conditions, local, system)
 
 
 def _require_alike(problem: HeatProblem, base: HeatProblem) -> None:

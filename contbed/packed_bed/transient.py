@@ -171,7 +171,7 @@ class HeatSteps(DirkSteps[HeatHistory]):
         done = self.renewed[-1:] == [history.steps]
         if begins or (not done and self._outdated(history)):
             self.renew_flow(history)
-        if self.problem.motion.flow is not local.flow:
+        if self.problem.flow is not local.flow:
             interval, system = self.problem.interval, self.problem.system
             self.problem = heat_problem(
                 self.plan, local.flow, self.result, interval, system

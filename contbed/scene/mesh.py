@@ -25,6 +25,7 @@ SIDE = "wall"  # the boundary beside a line, of a bed with a diameter
 class _BuiltIn(Table):
     """A mesh of a bed of simple shape."""
 
+    axis: ClassVar[int] = 0  # direction of `length`
     type: str
     length: Length
     """length of the domain along x, for axisymmetric meshes along the axis"""
@@ -80,6 +81,7 @@ class MeshAxisymmetric(_BuiltIn):
     `top`.
     """
 
+    axis: ClassVar[int] = 1
     dimension: ClassVar[int] = 2
     sides: ClassVar = (("axis", "wall"), ("bottom", "top"))
     type: Literal["axisymmetric"]

@@ -80,7 +80,7 @@ def mesh_file_exists(mesh: Mesh, see: See, origin: Origin) -> Mistakes:
 
 def axis_of(mesh: Mesh) -> int:
     """Return the direction along which a bed is long where no stream determines it."""
-    return 1 if isinstance(mesh, MeshAxisymmetric) else 0
+    return 0 if isinstance(mesh, MeshFile) else mesh.axis
 
 
 def positions_lie_in_the_bed(mesh: Mesh, output: Output, see: See) -> Mistakes:

@@ -13,7 +13,6 @@ import pytest
 import contbed as cb
 from contbed.loading import from_dict
 from contbed.packed_bed.heat import HeatProblem
-from contbed.packed_bed.heat_coefficients import Motion
 from tests.cases import each_case
 from tests.scene_text import scene_of
 
@@ -66,13 +65,7 @@ def plan(**tables: Any) -> Any:
 
 
 def problem(made: Any) -> HeatProblem:
-    return HeatProblem(
-        made.solved,
-        made.mesh,
-        made.medium,
-        Motion(made.velocity, made.velocity_solid),
-        made.section,
-    )
+    return HeatProblem(made)
 
 
 def modules(code: str) -> set[str]:

@@ -18,7 +18,6 @@ from contbed.fem.stabilisation import tau
 from contbed.loading import from_dict
 from contbed.packed_bed.equations import two_energy
 from contbed.packed_bed.heat import HeatProblem
-from contbed.packed_bed.heat_coefficients import Motion
 from contbed.packed_bed.plan import plan
 from contbed.packed_bed.shared import heat_balance
 from tests.scene_text import scene_of
@@ -80,14 +79,7 @@ def bed(
 
 def posed(scene: Any) -> HeatProblem:
     """The problem of a scene on its mesh."""
-    made = plan(scene)
-    return HeatProblem(
-        made.solved,
-        made.mesh,
-        made.medium,
-        Motion(made.velocity, made.velocity_solid),
-        made.section,
-    )
+    return HeatProblem(plan(scene))
 
 
 @pytest.mark.parametrize("shape", ["line", "triangle"])

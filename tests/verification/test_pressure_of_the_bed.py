@@ -19,11 +19,11 @@ from contbed.fem.ad.dual import Components
 from contbed.fem.elements import Space
 from contbed.loading import from_dict
 from contbed.packed_bed.equations.porous_flow import Coefficients
-from contbed.packed_bed.flow import LocalProperties, solve_flow
+from contbed.packed_bed.flow import Flow, LocalProperties, flow_equations
 from contbed.packed_bed.plan import plan
 from contbed.packed_bed.pressure import lifted
 from contbed.solvers.linear import Policy
-from contbed.solvers.newton import Options
+from contbed.solvers.newton import Options, newton
 from tests.balances import assert_closed
 from tests.refusals import refused
 from tests.scene_text import set_keys
@@ -363,7 +363,17 @@ def channel(cells, conditions, c, inlet, local=None):
         else LocalProperties(space, *(f(x) * np.ones_like(x) for f in local))
     )
     roles = {"left": "inlet", "right": "outlet"} | conditions
-    return solve_flow(mesh, c, inlet, roles, Policy(2), Options(1e-12), local=fields)
+    equations = flow_equations(mesh, c, inlet, roles, fields)
+    start = np.zeros(equations.system.size)
+    equations.system.part(start, "u")[:] = np.asarray(inlet, dtype=float)[:, None]
+    state, _ = newton(
+        equations.residual,
+        equations.with_given(start),
+        equations.fixed,
+        equations.system.ordered(Policy(2)),
+        Options(1e-12),
+    )
+    return Flow(equations.system, state, c.porosity, fields)
 
 
 def constants(density, viscosity):

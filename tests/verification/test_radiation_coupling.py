@@ -22,7 +22,6 @@ from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.output.progress import Progress
 from contbed.packed_bed.heat import HeatProblem
-from contbed.packed_bed.heat_coefficients import Motion
 from contbed.solvers.linear import Policy
 from studies._exact.conduction_radiation import conduction_diffusion
 from studies._exact.manufactured import observed_order
@@ -60,14 +59,7 @@ def radiating(
 
 
 def posed(values: dict[str, Any]) -> HeatProblem:
-    made = plan(from_dict(values))
-    return HeatProblem(
-        made.solved,
-        made.mesh,
-        made.medium,
-        Motion(made.velocity, made.velocity_solid),
-        made.section,
-    )
+    return HeatProblem(plan(from_dict(values)))
 
 
 def values_at(
@@ -563,9 +555,7 @@ def test_real_gas_at_rest_with_a_closure_of_the_flow(monkeypatch):
 def radiative_heat(values: dict[str, Any]) -> np.ndarray:
     """Radiation into the bed through each radiating boundary [W]."""
     result = run(values)
-    made = result.plan
-    motion = Motion(made.velocity, made.velocity_solid)
-    problem = HeatProblem(made.solved, made.mesh, made.medium, motion, made.section)
+    problem = HeatProblem(result.plan)
     state = np.concatenate([result.nodal[name][1] for name in problem.system.fields])
     return np.array(
         [

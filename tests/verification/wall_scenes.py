@@ -16,10 +16,9 @@ from contbed.loading import from_dict
 from contbed.mesh.build import build
 from contbed.packed_bed import accuracy
 from contbed.packed_bed.corners import unlike_temperatures
-from contbed.packed_bed.flow import coefficients, solve_flow
+from contbed.packed_bed.flow import solved_flow
 from contbed.packed_bed.heat import HeatProblem
-from contbed.packed_bed.heat_coefficients import Motion
-from contbed.solvers.newton import Options
+from contbed.result import Result
 
 # smallest cell of a reference mesh over the extent of the bed, at every side
 FINEST = 1e-5
@@ -130,19 +129,8 @@ def scene(seed: int, **solver: Any) -> Any:
 
 def solved(plan: Any) -> tuple[Any, HeatProblem, Any]:
     """Return flow, problem and temperatures of a plan on its mesh."""
-    flow = None
-    if not plan.plug:
-        c = coefficients(plan.scene, plan.medium, plan.velocity, plan.velocity_solid)
-        flow = solve_flow(
-            plan.mesh,
-            c,
-            plan.velocity,
-            plan.conditions,
-            plan.policy,
-            Options(),
-        )
-    motion = Motion(plan.velocity, plan.velocity_solid, flow)
-    problem = HeatProblem(plan.solved, plan.mesh, plan.medium, motion, plan.section)
+    flow = None if plan.plug else solved_flow(plan, None, Result(plan))
+    problem = HeatProblem(plan, flow)
     return flow, problem, problem.solve(plan.policy)[0]
 
 
@@ -151,12 +139,7 @@ def reference(plan: Any, split: int = 2) -> Any:
     in each of its cells, cells at all sides that are finer than its own, and elements
     of degree 3.
     """
-    space = HeatProblem(
-        plan.solved,
-        plan.mesh,
-        plan.medium,
-        Motion(plan.velocity, plan.velocity_solid, None),
-    ).system
+    space = HeatProblem(plan).system
     grid = TensorGrid.of(space.fields["T_fluid"][0])
     vertices = [_finer(ends, split) for ends in grid.vertices]
     scene = plan.solved.model_copy(
