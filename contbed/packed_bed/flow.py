@@ -5,7 +5,7 @@ volume-flow balance.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from contbed.mesh.mesh import Mesh
 from contbed.packed_bed.equations import porous_flow
 from contbed.result import Result
 from contbed.solvers.newton import Options, newton
-
-if TYPE_CHECKING:
-    from contbed.packed_bed.plan import Plan
 
 AT_REST = 1.0  # velocity scale [m/s] where nothing moves; any rounds the drag
 PARALLEL = 1e-9  # a wall counts as parallel to a direction below this sine
@@ -135,7 +132,7 @@ def _slip_axis(mesh: Mesh, boundary: str) -> int:
 
 
 def solved_flow(
-    plan: Plan,
+    plan: Any,
     before: Flow | None,
     result: Result,
     local: LocalProperties | None = None,
@@ -168,7 +165,7 @@ def solved_flow(
 
 
 def equations_of(
-    plan: Plan, local: LocalProperties | None, system: System | None = None
+    plan: Any, local: LocalProperties | None, system: System | None = None
 ) -> FlowEquations:
     """Return the discrete equations of the flow of a plan; see `flow_equations`."""
     c, inlet = coefficients(plan), plan.velocity
@@ -282,7 +279,7 @@ def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:
     return {_slip_axis(mesh, name): 0.0}
 
 
-def coefficients(plan: Plan) -> porous_flow.Coefficients:
+def coefficients(plan: Any) -> porous_flow.Coefficients:
     """Return the momentum coefficients of a plan at the fluid's inlet temperature."""
     medium = plan.medium
     return porous_flow.Coefficients(

@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from contbed.course.history import SAME
 from contbed.course.schedule import Schedule
 from contbed.errors import SceneError
 from contbed.materials.constants import fluid_of
@@ -257,6 +256,8 @@ class Plan:
         constant = self.medium.fluid.constant
         if not intervals or (constant and not flow_changes(self.schedule)):
             return [self] * len(times)
+        from contbed.course.history import SAME
+
         ends = [each.end * (1 + SAME) for each in intervals]
         plans: dict[Any, Plan] = {}
         found = []
