@@ -478,13 +478,6 @@ def test_a_folder_that_cannot_be_written_is_told_before_the_first_run(
     assert not runner.calls
 
 
-def test_a_scheduler_without_dask_names_the_extra(folder, runner, capsys, monkeypatch):
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    assert sweep("--scheduler", "tcp://localhost:1") == 1
-    assert "pip install 'contbed[cluster]'" in capsys.readouterr().err
-    assert not (folder / "out").exists()
-
-
 def test_a_sobol_count_that_is_no_power_of_two_is_a_warning(folder, runner, capsys):
     (folder / "study.toml").write_text(SAMPLE.replace("count = 8", "count = 6"))
     assert sweep() == 0

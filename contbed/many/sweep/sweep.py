@@ -59,7 +59,6 @@ def sweep(
     study: str | Path,
     out: str | Path | None = None,
     jobs: int = -1,
-    scheduler: str | None = None,
     retry_failed: bool = False,
     quiet: bool = True,
     trust: bool = False,
@@ -72,7 +71,6 @@ def sweep(
     study : its TOML file
     out : folder for runs, table and plots; results/STUDY if absent
     jobs : processes on this machine, -1 for one a core; 1 computes in this process
-    scheduler : address of a dask scheduler, whose workers compute instead
     retry_failed : compute the failed runs again
     quiet : no progress bar
     trust, allow_large : as in `contbed.loading.load`
@@ -81,12 +79,10 @@ def sweep(
     ------
     SceneError : mistakes in the study or its scenes, before anything is written; a name
         in `qoi` that no run has
-    ContbedError : the folder cannot be written, or there is nobody to compute
+    ContbedError : the folder cannot be written, or no process can compute
     """
     todo = read_study(study, trust, allow_large)
     folder = (Path(out) if out else Path("results") / todo.file.stem).absolute()
-    if scheduler is not None:
-        workers.require_dask()
     prepare_study(
         folder, "table.csv", "table.json", "sweep.png", "uncertainty.*", "indices.csv"
     )
@@ -106,7 +102,7 @@ def sweep(
     ]
     try:
         with Progress(len(todo.cases), "runs", quiet) as progress:
-            for case, outcome in _found(todo, folder, outcomes, jobs, scheduler):
+            for case, outcome in _found(todo, folder, outcomes, jobs):
                 outcomes[case.name] = outcome
                 failed = sum(
                     bool(outcome["exit_code"]) for outcome in outcomes.values()
@@ -142,22 +138,12 @@ def _alone(folder: Path) -> Iterator[None]:
 
 
 def _found(
-    todo: Study,
-    folder: Path,
-    outcomes: dict[str, Content],
-    jobs: int,
-    scheduler: str | None,
+    todo: Study, folder: Path, outcomes: dict[str, Content], jobs: int
 ) -> workers.Found:
     waiting = [case for case in todo.cases if case.name not in outcomes]
-    if not waiting:
-        return iter(())
-    if scheduler is not None:
-        return workers.on_cluster(waiting, folder, scheduler)
-    return (
-        workers.in_this_process(waiting, folder)
-        if jobs == 1
-        else workers.on_this_machine(waiting, folder, jobs)
-    )
+    if jobs == 1 or not waiting:
+        return workers.in_this_process(waiting, folder)
+    return workers.on_this_machine(waiting, folder, jobs)
 
 
 def _row(case: Case, outcome: Content) -> Row:
