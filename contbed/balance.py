@@ -42,13 +42,19 @@ class Balance:
         source: float = 0.0,
         stored: float = 0.0,
         floor: float = 1e-300,
+        both_ways: float | None = None,
     ) -> Balance:
-        """Return the balance of fluxes that are positive inwards."""
+        """Return the balance of fluxes that are positive inwards.
+
+        Of totals over time, `both_ways` is the sum of the integrals of their
+        magnitudes: what enters is then not offset by what leaves there later.
+        """
         parts = list(fluxes)
-        entering, leaving = (
-            sum(v for v in parts if v > 0),
-            -sum(v for v in parts if v < 0),
-        )
+        entering = sum(value for value in parts if value > 0)
+        leaving = -sum(value for value in parts if value < 0)
+        if both_ways is not None:
+            returned = max(0.5 * (both_ways - entering - leaving), 0.0)
+            entering, leaving = entering + returned, leaving + returned
         return cls(entering, leaving, unit, source, stored, floor=max(floor, 1e-300))
 
     @property

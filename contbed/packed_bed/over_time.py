@@ -20,6 +20,7 @@ from contbed.packed_bed.transient import (
     HeatHistory,
     HeatSteps,
     by_streams,
+    heat_both_ways,
     integrated_fluxes,
 )
 from contbed.result import Result
@@ -120,8 +121,9 @@ class Run:
             conducted = history.conducted_in(problem)
             source = problem.source() * history.time
             held = problem.throughput() * history.time + problem.capacity()
+            both_ways = heat_both_ways(fluxes, history)
             result.balances["energy"] = heat_balance(
-                fluxes, conducted, source, history.gain, "J", held
+                fluxes, conducted, source, history.gain, "J", held, both_ways
             )
         transient_findings(plan, self.line, problem, history, result)
         if history.steps:

@@ -79,16 +79,24 @@ def report_flow(plan: Plan, line: Line, flow: Any, result: Result) -> None:
 
 
 def heat_balance(
-    fluxes: Any, conducted: Any, source: float, stored: float, unit: str, held: float
+    fluxes: Any,
+    conducted: Any,
+    source: float,
+    stored: float,
+    unit: str,
+    held: float,
+    both_ways: float | None = None,
 ) -> dict[str, Any]:
     """Return the balance of heat through boundaries and into prescribed temperatures.
 
-    `held` is the heat that streams and bed hold, the scale of the balance.
+    `held` is the heat that streams and bed hold, the scale of the balance; for
+    `both_ways` see `Balance.of_fluxes`.
     """
     parts = [value for flux in fluxes.values() for value in flux.values()] + list(
         conducted.values()
     )
-    return Balance.of_fluxes(parts, unit, source, stored, HELD_SHARE * held).as_dict()
+    floor = HELD_SHARE * held
+    return Balance.of_fluxes(parts, unit, source, stored, floor, both_ways).as_dict()
 
 
 def _require_physical(phase: str, material: Any, T: Any) -> None:

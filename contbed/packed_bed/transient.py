@@ -40,7 +40,8 @@ class HeatHistory(History):
 
     `mean` is the time integral of the state, `reaction` of the heat that prescribed
     temperatures conduct in by boundary, `flux` of the boundary fluxes where properties
-    or boundary values vary, `gain` of the content; `ranges` is the record of how
+    or boundary values vary, `both_ways` of the magnitudes of these and `conducted` of
+    those, `gain` of the content; `ranges` is the record of how
     closures were used, see `Medium.state`; rows of `outlet` end with the heat so far,
     see `by_streams`; `flow` that of `FlowOverTime.pack`;
     `vertices` are those of a line.
@@ -49,6 +50,8 @@ class HeatHistory(History):
     mean: Any = 0.0
     reaction: Any = 0.0
     flux: Mapping[str, float] = field(default_factory=dict)
+    both_ways: float = 0.0
+    conducted: float = 0.0
     gain: float = 0.0
     ranges: Mapping[str, Any] = field(default_factory=dict)
     flow: Mapping[str, Any] = field(default_factory=dict)
@@ -213,6 +216,7 @@ class HeatSteps(DirkSteps[HeatHistory]):
             size=self.control.first if interval.jumps else history.size,
             gain=history.gain + gain,
             reaction=history.reaction + gain * parts / whole,
+            conducted=history.conducted + abs(gain),
         )
 
     def take(
@@ -233,40 +237,49 @@ class HeatSteps(DirkSteps[HeatHistory]):
         if not self.accounts:
             return after
         weights = [weight * step.size for weight in WEIGHTS]
-        reaction = history.reaction
+        reaction, conducted = history.reaction, history.conducted
         if len(problem.fixed):
             supplied = step.gain + _weighted(weights, step.rates)
-            reaction = reaction + _by_boundary(problem, supplied[problem.fixed])
+            heats = _by_boundary(problem, supplied[problem.fixed])
+            reaction = reaction + heats
+            conducted += float(np.abs(heats).sum())
         ranges = history.ranges
         if not problem.linear:
             problem.medium.record()
             ranges = problem.medium.state()
-        flux = self._fluxes(history, step, weights)
-        heats = by_streams(fluxes_of(flux), {"": float(np.sum(reaction))})
+        flux, both_ways = self._fluxes(history, step, weights)
+        streams = by_streams(fluxes_of(flux), {"": float(np.sum(reaction))})
         return replace(
             after,
             mean=history.mean + _weighted(weights, step.states),
             reaction=reaction,
+            conducted=conducted,
             flux=flux,
+            both_ways=both_ways,
             gain=history.gain + float(np.sum(step.gain[problem.heats])),
             ranges=ranges,
             kept=self.kept(history, step, end, self.outputs),
-            outlet=(*history.outlet, (*self.outlets(end, after.state), *heats)),
+            outlet=(*history.outlet, (*self.outlets(end, after.state), *streams)),
         )
 
     def _fluxes(
         self, history: HeatHistory, step: Step, weights: list[float]
-    ) -> Mapping[str, float]:
+    ) -> tuple[Mapping[str, float], float]:
+        """Return the integrals of the boundary fluxes after a step, and the sum of
+        those of their magnitudes.
+        """
         problem, sums = self.problem, dict(history.flux)
+        both_ways = history.both_ways
         if problem.linear and problem.interval is None:
-            return sums
+            return sums, both_ways
         for weight, state, share in zip(weights, step.states, STAGES, strict=True):
             problem.set_time(step.start + share * step.size)
             for name, parts in problem.fluxes(state).items():
                 for kind, value in parts.items():
                     key = f"{name}.{kind}"
                     sums[key] = sums.get(key, 0.0) + weight * value
-        return sums
+                    both_ways += weight * abs(value)
+        return sums, both_ways
 
 
 def _weighted(weights: list[float], values: tuple[Any, ...]) -> Any:
@@ -292,6 +305,19 @@ def integrated_fluxes(
             for name, parts in fluxes.items()
         }
     return fluxes_of(history.flux)
+
+
+def heat_both_ways(
+    fluxes: Mapping[str, Mapping[str, float]], history: HeatHistory
+) -> float:
+    """Return the heat through all boundaries, in plus out, of a run with these
+    fluxes [J].
+    """
+    found = history.both_ways
+    if not history.flux:
+        parts = [value for flux in fluxes.values() for value in flux.values()]
+        found = sum(abs(value) for value in parts)
+    return found + history.conducted
 
 
 def fluxes_of(flux: Mapping[str, float]) -> dict[str, dict[str, float]]:

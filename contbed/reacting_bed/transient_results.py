@@ -103,33 +103,29 @@ def _balances(problem: Problem, history: BedHistory, result: Result) -> None:
         for k, each in enumerate(problem.layout.unknowns):
             if (species := each.conserved) is not None:
                 atoms[k] = problem.species.all[species].composition.get(element, 0.0)
-        parts = (inward * atoms[:, None]).ravel()
-        entering, leaving = parts[parts > 0].sum(), -parts[parts < 0].sum()
-        stored = float(gain @ atoms)
-        through = 0.5 * float(np.abs(history.both_ways * atoms[:, None]).sum())
+        fluxes = (atoms @ inward).tolist()
+        both_ways = float((atoms @ history.both_ways).sum())
         scale = max(
-            entering,
-            through,
-            float(np.abs(gain * atoms).max()),
-            _blurring(held * atoms),
+            both_ways, float(np.abs(gain * atoms).max()), _blurring(held * atoms)
         )
         if scale > 0.0:
-            result.balances[element] = Balance(
-                float(entering),
-                float(leaving),
+            result.balances[element] = Balance.of_fluxes(
+                fluxes,
                 "mol/m2",
-                stored=stored,
-                scale=float(scale),
+                stored=float(gain @ atoms),
+                floor=scale,
+                both_ways=both_ways,
             ).as_dict()
     unknowns = problem.layout.unknowns
     heat = [k for k, each in enumerate(unknowns) if each.is_temperature]
     if heat:
         wall = float(history.sources[heat].sum())
-        parts = inward[heat].ravel()
+        fluxes = inward[heat].ravel().tolist()
+        both_ways = float(history.both_ways[heat].sum())
         stored = float(gain[heat].sum())
         scale = max(history.carried, abs(wall), abs(stored), _blurring(held[heat]))
         result.balances["energy"] = Balance.of_fluxes(
-            [float(part) for part in parts], "J/m2", wall, stored, floor=scale
+            fluxes, "J/m2", wall, stored, scale, both_ways
         ).as_dict()
 
 

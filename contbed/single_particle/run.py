@@ -232,9 +232,9 @@ def _balances(
     conducted, carried, released, left = history.sums
     held = SCALE_HEAT * float(np.abs(content).sum())
     parts = [conducted * whole, -carried * whole]
-    floor = max(held, history.exchanged) * whole
+    both_ways = (history.exchanged + abs(carried)) * whole
     result.balances["energy"] = Balance.of_fluxes(
-        parts, "J", released * whole, stored * whole, floor=floor
+        parts, "J", released * whole, stored * whole, held * whole, both_ways
     ).as_dict()
     gain = _mass(problem, history.state) - _mass(problem, begin.state)
     result.balances["mass"] = Balance.of_fluxes(

@@ -477,3 +477,16 @@ def test_an_interrupted_cycle_resumes_bit_for_bit(tmp_path, moment):
     interrupt(scene, tmp_path / "a", BedSteps, "_passed", moment)
     again = contbed.run(scene, out=tmp_path / "b", restart=tmp_path / "a")
     same_run(again, contbed.run(scene))
+
+
+def test_a_balance_counts_both_ways_at_an_end():
+    """A gas that turns round each second: u n 28 of H enter in each of both, though
+    as much leaves by the same end.
+    """
+    scene = following("0.0 * c_A")
+    gas = scene["boundary"]["left"]["gas"]
+    gas["composition"], gas["velocity"] = "A:1", switched([0.5, -0.5], 1.0)
+    scene["boundary"]["right"] = {"gas": {"composition": "B:1", "temperature": 500.0}}
+    found = solved(scene).balances["H"]
+    assert found["in"] == pytest.approx(2.0 * 0.5 * MOLAR * 28.0, rel=1e-12)
+    assert found["out"] == pytest.approx(found["in"], rel=1e-12)

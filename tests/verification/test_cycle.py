@@ -76,6 +76,9 @@ def test_regenerator(tmp_path, numbers, row):
     assert found.qoi["effectiveness_charge"] == pytest.approx(
         row["effectiveness_hot"], abs=2e-4
     )
+    # heat above that of the cold gas, which enters with the hot gas alone
+    entered = 100.0 * CONTENT * row["Pi_hot"] / row["Lambda_hot"]
+    assert found.balances["energy"]["in"] == pytest.approx(entered, rel=1e-6)
     assert found.qoi["effectiveness_discharge"] == pytest.approx(
         row["effectiveness_cold"], abs=2e-4
     )
