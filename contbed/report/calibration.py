@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from html import escape
 from pathlib import Path
 
 from contbed.report import page
@@ -78,11 +77,7 @@ def _covariance(found: Found, keys: Mapping[str, Column]) -> str:
     return "".join(
         page.table(
             [what, *labels],
-            [
-                [escape(label), *map(page.number, row)]
-                for label, row in zip(labels, matrix, strict=True)
-            ],
-            range(1, 1 + len(names)),
+            ([label, *row] for label, row in zip(labels, matrix, strict=True)),
         )
         for what, matrix in both
     )

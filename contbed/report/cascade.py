@@ -53,14 +53,8 @@ def _answer(found: Found) -> str:
     rows = []
     for name, value in found["qoi"].items():
         band, unit = found["band"][name], unit_of(name)
-        cells = (
-            value,
-            band["low"],
-            band["high"],
-            band["mean"],
-            band["standard_deviation"],
-        )
-        rows.append([page.code(name), *map(page.number, cells), page.unit(unit)])
+        parts = (band[key] for key in ("low", "high", "mean", "standard_deviation"))
+        rows.append([page.code(name), value, *parts, page.unit(unit)])
     share = next(iter(found["band"].values()))["probability"]
     head = [
         "result",
@@ -71,7 +65,7 @@ def _answer(found: Found) -> str:
         "standard deviation",
         "unit",
     ]
-    return page.table(head, rows, range(1, 6))
+    return page.table(head, rows)
 
 
 def _shares(found: Found, name: str) -> dict[str, tuple[float, float]]:
@@ -90,10 +84,10 @@ def _parts(found: Found) -> str:
     rows = [
         [
             page.code(name),
-            escape(part),
-            page.number(deviation),
+            part,
+            deviation,
             page.unit(unit_of(name)),
-            f"{share:.1%}",
+            page.share(share),
         ]
         for name in found["qoi"]
         for part, (deviation, share) in _shares(found, name).items()
@@ -108,7 +102,7 @@ def _parts(found: Found) -> str:
         "share of the sum of the variances",
     ]
     return (
-        page.table(head, rows, (2, 4))
+        page.table(head, rows)
         + f"<p class=quiet>Laws of one particle: {escape(found['laws'])}.</p>"
     )
 
@@ -128,25 +122,19 @@ def _measured(found: Found) -> str:
         f"{page.number(about['uncertainty'])} {about['unit']}"
     )
     order = sorted(about["shares of the parts"].items(), key=lambda item: -item[1])
-    rows = [[escape(part), f"{share:.1%}"] for part, share in order]
+    rows = [[part, page.share(share)] for part, share in order]
     return f"<p>{escape(text)}.</p>" + page.table(
-        ["part", "share of the variances at all points"], rows, (1,)
+        ["part", "share of the variances at all points"], rows
     )
 
 
 def _visited(found: Found) -> str:
-    rows = [
-        [escape(name), page.number(low), page.number(high)]
-        for name, (low, high) in found["visited"].items()
-    ]
-    rows.append(
-        [
-            "porosity of the packings",
-            page.number(min(found["porosities"])),
-            page.number(max(found["porosities"])),
-        ]
-    )
-    return page.table(["", "from", "to"], rows, (1, 2))
+    porosities = found["porosities"]
+    ends = found["visited"] | {
+        "porosity of the packings": (min(porosities), max(porosities))
+    }
+    rows = ([name, *between] for name, between in ends.items())
+    return page.table(["", "from", "to"], rows)
 
 
 CASCADE = Study("cascade", "cascade", _content, has("cascade"))

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -88,10 +87,9 @@ class Linked:
         body = "".join(place(chart) for chart in self.charts)
         text = f'<div class="charts">{body}</div>' if body else ""
         if self.left_out:
-            rows = [[escape(label), escape(why)] for label, why in self.left_out]
-            shown = page.table(["column", "why"], rows)
+            shown = page.table(["column", "why"], self.left_out)
             text += (
-                f"<details><summary>{len(rows)} columns are left out of "
+                f"<details><summary>{len(self.left_out)} columns are left out of "
                 f"plots</summary>{shown}</details>"
             )
         return page.section(title, text, anchor)
@@ -319,10 +317,8 @@ def table_of(columns: Iterable[Column]) -> str:
         for column in columns
         if any(value is not None for value in column.values)
     ]
-    cells = [map(page.number, column.values) for column in shown]
-    numbers = [k for k, column in enumerate(shown) if column.is_number]
     labels = [column.label for column in shown]
-    return page.table(labels, zip(*cells, strict=True), numbers)
+    return page.table(labels, zip(*(column.values for column in shown), strict=True))
 
 
 def _values(cells: Sequence[str]) -> tuple[Any, ...]:

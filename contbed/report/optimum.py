@@ -19,6 +19,9 @@ from contbed.report.study import Content, Found, Study, has
 
 OBJECTIVE = ": objective"  # ending of a header of table.csv
 TEXTS = ("run", "problem", "gradient")  # columns of table.csv
+# of the table of constraints, keys of summary.json
+COLUMNS = ("constraint", "value", "bound", "unit", "missed_by", "active", "price",
+           "price_unit")  # fmt: skip
 
 
 def _content(folder: Path, found: Found, made: page.Charts) -> Content:
@@ -77,35 +80,20 @@ def _answer(found: Found) -> str:
     rows = []
     for name, key in found["keys"].items():
         price = key["price_of_bound"]
-        per = escape(f"{aim['unit']} per {key['unit']}") if price else ""
-        ends = (page.number(key[end]) for end in ("value", "from", "to"))
-        rows.append([page.code(name), *ends, page.unit(key["unit"]),
-                     page.number(price) if price else "inside of its bounds", per])  # fmt: skip
-    keys = page.table(
-        [
-            "key",
-            "value",
-            "from",
-            "to",
-            "unit",
-            "price of its bound",
-            "unit of the price",
-        ],
-        rows,
-        (1, 2, 3, 5),
-    )
+        per = f"{aim['unit']} per {key['unit']}" if price else ""
+        ends = (key[end] for end in ("value", "from", "to"))
+        bound = price or "inside of its bounds"
+        rows.append([page.code(name), *ends, page.unit(key["unit"]), bound, per])
+    head = ["key", "value", "from", "to", "unit", "price of its bound"]
+    keys = page.table([*head, "unit of the price"], rows)
     expected = found["surrogate"] or {}
-    told = [
-        [
-            escape(name),
-            page.number(each["expected"]),
-            page.number(each["standard_error"]),
-        ]
+    values = [
+        [name, each["expected"], each["standard_error"]]
         for name, each in expected.items()
         if isinstance(each, dict)
     ]
     head = ["by the surrogate", "expected", "standard error"]
-    surrogate = page.table(head, told, (1, 2))
+    surrogate = page.table(head, values)
     return (
         f'<p class="verdict">{"".join(lines)}</p><p>{answer}; '
         f"{held}</p>{keys}{surrogate}"
@@ -113,24 +101,15 @@ def _answer(found: Found) -> str:
 
 
 def _constraints(found: Found) -> str:
-    rows = [
-        [page.code(one["constraint"]), page.number(one["value"]), page.number(one["bound"]),
-         page.unit(one["unit"]), page.number(one["missed_by"]), page.number(one["active"]), page.number(one["price"]),
-         escape(one["price_unit"])]
-        for one in found["constraints"]
-    ]  # fmt: skip
-    head = [
-        "constraint",
-        "value",
-        "bound",
-        "unit",
-        "missed by",
-        "active",
-        "price",
-        "unit of the price",
-    ]
+    rows = []
+    for one in found["constraints"]:
+        code, unit = page.code(one["constraint"]), page.unit(one["unit"])
+        shown = one | {"constraint": code, "unit": unit}
+        rows.append([shown[key] for key in COLUMNS])
     costs = "".join(f"<li>{escape(text)}</li>" for text in found["costs"])
-    return page.table(head, rows, (1, 2, 4, 6)) + (f"<ul>{costs}</ul>" if costs else "")
+    return page.table([key.replace("_", " ") for key in COLUMNS], rows) + (
+        f"<ul>{costs}</ul>" if costs else ""
+    )
 
 
 def _gradient(found: Found) -> str:
@@ -144,16 +123,11 @@ def _gradient(found: Found) -> str:
         for one in found["constraints"]
     ]
     rows = [
-        [
-            escape(name),
-            page.code(key),
-            page.number(slope),
-            escape(f"{unit} per {found['keys'][key]['unit']}"),
-        ]
+        [name, page.code(key), slope, f"{unit} per {found['keys'][key]['unit']}"]
         for name, unit, slopes in functions
         for key, slope in (slopes or {}).items()
     ]
-    return page.table(["of", "by", "derivative", "unit"], rows, (2,))
+    return page.table(["of", "by", "derivative", "unit"], rows)
 
 
 OPTIMUM = Study("search for an optimum", "optimise", _content, has("design"))

@@ -5,7 +5,6 @@ is packed into the file.
 from __future__ import annotations
 
 import gzip
-import hashlib
 import json
 from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,6 +15,7 @@ from typing import Any
 
 from contbed import fields as quantities
 from contbed.errors import ContbedError
+from contbed.many.store import key_of
 from contbed.output.summary import plain
 from contbed.output.tables import REMEDY
 from contbed.report.read import Key, Run
@@ -86,14 +86,22 @@ def header(title: str, text: str) -> str:
     return f"<header><h1>{escape(title)}</h1><p class=quiet>{escape(text)}</p></header>"
 
 
-def code(text: str) -> str:
+class Html(str):
+    """A text that is HTML already."""
+
+
+class Number(Html):
+    """A number in a cell, at its right."""
+
+
+def code(text: str) -> Html:
     """Return a name of contbed in a cell or sentence."""
-    return f"<code>{escape(text)}</code>"
+    return Html(f"<code>{escape(text)}</code>")
 
 
 def unit(text: str | None) -> str:
     """Return a unit in a cell; nothing for a plain number."""
-    return escape(quantities.behind(text).strip())
+    return quantities.behind(text).strip()
 
 
 def picture(file: Path) -> str:
@@ -153,54 +161,54 @@ def section(title: str, body: str, anchor: str) -> str:
     )
 
 
-def table(
-    head: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[int] = ()
-) -> str:
-    """Return a table of cells that are HTML already; nothing where it has no rows.
-
-    Columns in `numbers` are aligned to the right.
-    """
-    rows = list(rows)
-    if not rows:
+def table(head: Sequence[str], rows: Iterable[Iterable[Any]]) -> str:
+    """Return a table of values; nothing where it has no rows."""
+    body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows)
+    if not body:
         return ""
     cells = "".join(f"<th>{escape(name)}</th>" for name in head)
-    body = "".join(
-        "<tr>"
-        + "".join(
-            f"<td{' class=number' if k in numbers else ''}>{cell}</td>"
-            for k, cell in enumerate(row)
-        )
-        + "</tr>"
-        for row in rows
-    )
     return f'<div class="scroll"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-def number(value: Any) -> str:
+def _cell(value: Any) -> str:
+    shown = number(value)
+    alignment = " class=number" if isinstance(shown, Number) else ""
+    return f"<td{alignment}>{shown}</td>"
+
+
+def number(value: Any) -> Html:
     """Return a value as text, six digits of a number."""
+    if isinstance(value, Html):
+        return value
     if isinstance(value, bool) or value is None:
-        return {True: "yes", False: "no", None: "–"}[value]
+        return Number({True: "yes", False: "no", None: "–"}[value])
     if isinstance(value, int | float):
-        return f"{value:.6g}"
+        return Number(f"{value:.6g}")
     if isinstance(value, list | tuple):
         shown = ", ".join(number(item) for item in value[:8])
-        return f"{shown}, ... ({len(value)} values)" if len(value) > 8 else shown
-    return escape(str(value))
+        more = f", ... ({len(value)} values)" if len(value) > 8 else ""
+        return Number(shown + more)
+    return Html(escape(str(value)))
+
+
+def share(value: float) -> Number:
+    """Return a share in percent as a cell."""
+    return Number(f"{value:.1%}")
 
 
 def found(values: Mapping[str, Any]) -> str:
     """Return named results with their units and meanings as a table."""
     rows = (
-        _result(name, [number(value)], quantities.unit_of(name))
+        _result(name, [value], quantities.unit_of(name))
         for name, value in values.items()
     )
-    return table(["result", "value", "unit", "meaning"], rows, [1])
+    return table(["result", "value", "unit", "meaning"], rows)
 
 
-def _result(name: str, cells: Sequence[str], own_unit: str | None) -> list[str]:
+def _result(name: str, cells: Sequence[Any], own_unit: str | None) -> list[Any]:
     """Return the row of a named result with its values in some runs."""
     entry = quantities.result(name)
-    meaning = escape(entry.description) if entry else ""
+    meaning = entry.description if entry else ""
     return [code(quantities.name_of(name)), *cells, unit(own_unit), meaning]
 
 
@@ -218,7 +226,7 @@ def results(runs: Sequence[Run]) -> str:
         values = [run.summary.get("qoi", {}).get(name) for run in runs]
         cells = [number(values[0])]
         for value in values[1:]:
-            cells += [f"{number(value)}{_difference(value, values[0])}"]
+            cells.append(Number(number(value) + _difference(value, values[0])))
         rows.append(_result(name, cells, own_unit))
     head = [
         "result",
@@ -226,7 +234,7 @@ def results(runs: Sequence[Run]) -> str:
         "unit",
         "meaning",
     ]
-    return table(head, rows, range(1, len(runs) + 1))
+    return table(head, rows)
 
 
 def _difference(value: Any, first: Any) -> str:
@@ -276,13 +284,13 @@ def balances(run: Run) -> str:
     parts = ("in", "out", "source", "stored", "relative_residual")
     rows = [
         [
-            escape(f"{name} [{item['unit']}]" if item.get("unit") else name),
-            *(number(item.get(part)) for part in parts),
+            f"{name} [{item['unit']}]" if item.get("unit") else name,
+            *map(item.get, parts),
         ]
         for name, item in run.summary.get("balances", {}).items()
     ]
     head = ["balance", *(part.replace("_", " ") for part in parts)]
-    return table(head, rows, range(1, 6))
+    return table(head, rows)
 
 
 def closures(run: Run) -> str:
@@ -292,12 +300,13 @@ def closures(run: Run) -> str:
         for argument, use in closure.get("ranges", {}).items() or [("", None)]:
             used = "" if use is None else quantities.span(use["used"], ".6g")
             declared = "" if use is None else quantities.span(use["declared"], ".6g")
-            share = use["share_outside"] if use is not None else 0.0
-            outside = (
-                f'<span class="bad">{100 * share:.3g} %</span>' if share else "none"
+            beyond = use["share_outside"] if use is not None else 0.0
+            outside = Html(
+                f'<span class="bad">{100 * beyond:.3g} %</span>' if beyond else "none"
             )
-            rows.append([code(closure["name"]), escape(argument), used, declared, outside,
-                         escape(str(closure.get("source", "")))])  # fmt: skip
+            source = closure.get("source", "")
+            row = [code(closure["name"]), argument, used, declared, outside, source]
+            rows.append(row)
     return table(["closure", "argument", "used", "range", "outside", "source"], rows)
 
 
@@ -307,7 +316,7 @@ def scene(keys: Sequence[Key]) -> str:
     """
     given, left = (
         [
-            [code(key.name), number(key.value), escape(key.unit)]
+            [code(key.name), Html(number(key.value)), key.unit]
             for key in keys
             if key.default == default
         ]
@@ -340,16 +349,16 @@ def differences(runs: Sequence[Run]) -> str:
             > 1
         ):
             own_unit = next((key.unit for key in found if key and key.unit), "")
-            cells = [number(key.value) if key else "–" for key in found]
-            rows.append([code(name), *cells, escape(own_unit)])
+            cells = [key.value if key else None for key in found]
+            rows.append([code(name), *cells, own_unit])
     head = ["key", *(run.name for run in runs), "unit"]
-    return table(head, rows, range(1, len(runs) + 1))
+    return table(head, rows)
 
 
 def built(run: Run) -> str:
     """Return what the run built and left out, with the reasons."""
     rows = [
-        [name, escape(item["what"]), escape(item["why"])]
+        [name, item["what"], item["why"]]
         for key, name in (("built", "built"), ("skipped", "left out"))
         for item in run.summary.get(key, [])
     ]
@@ -359,26 +368,18 @@ def built(run: Run) -> str:
 def provenance(run: Run) -> str:
     """Return versions, unknowns, machine and hash of a run."""
     summary = run.summary
-    rows = [
-        [escape(f"version of {name}"), escape(str(version))]
-        for name, version in summary.get("versions", {}).items()
-    ]
-    rows += [
-        [escape(f"unknowns of {name}"), number(count)]
-        for name, count in (summary.get("dofs") or {}).items()
-    ]
-    names = {"host": "machine", "begun": "begun (UTC)"}
-    rows += [
-        [name, escape(str(summary[key]))]
-        for key, name in names.items()
-        if key in summary
-    ]
-    values = json.dumps(summary.get("scene", {}), sort_keys=True)
-    rows += [["hash of the scene", hashlib.sha256(values.encode()).hexdigest()[:16]]]
-    total = summary.get("timings", {}).get("total")
-    rows += [["wall time [s]", number(total)]] if total is not None else []
-    rows += [
-        ["folder", escape(str(run.folder))],
-        ["files", number(summary.get("files", []))],
-    ]
-    return table(["", ""], rows)
+    versions, unknowns = summary.get("versions", {}), summary.get("dofs") or {}
+    rows = {
+        **{f"version of {name}": version for name, version in versions.items()},
+        **{f"unknowns of {name}": count for name, count in unknowns.items()},
+        "machine": summary.get("host"),
+        "begun (UTC)": summary.get("begun"),
+        "hash of the scene": key_of(summary.get("scene", {})),
+        "wall time [s]": summary.get("timings", {}).get("total"),
+        "folder": run.folder,
+        "files": summary.get("files", []),
+    }
+    known = (
+        (name, Html(number(value))) for name, value in rows.items() if value is not None
+    )
+    return table(["", ""], known)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +41,7 @@ def _content(folder: Path, found: Found, made: page.Charts) -> Content:
         linked(columns, [run["run"] for run in good]).section(
             "Linked plots", made.place
         ),
-        page.section("All runs", page.table(head, rows, range(1, len(head))), "runs"),
+        page.section("All runs", page.table(head, rows), "runs"),
     ]
     return Content(
         f"Sweep {Path(str(found.get('study', folder.name))).stem}", about, sections
@@ -59,7 +58,7 @@ def _uncertainty(folder: Path) -> str:
     return "".join(table_of(table.values()) for table in tables)
 
 
-def _row(found: Found, run: dict[str, Any], names: dict[str, str]) -> list[str]:
+def _row(found: Found, run: dict[str, Any], names: dict[str, str]) -> list[Any]:
     """Return the cells of a run; of one that failed the problem stands under the
     first result.
     """
@@ -67,12 +66,11 @@ def _row(found: Found, run: dict[str, Any], names: dict[str, str]) -> list[str]:
     if run["exit_code"]:
         problem = f"exit code {run['exit_code']}: {run['problem']}"
         values = {**run["parameters"], next(iter(found["qoi"]), "problem"): problem}
-    return [page.code(run["run"][:8]), *(_cell(values.get(name)) for name in names)]
-
-
-def _cell(value: Any) -> str:
-    """Return a value of a table; a closure by its name and parameters."""
-    return escape(text_of(value)) if isinstance(value, dict) else page.number(value)
+    cells = (
+        text_of(value) if isinstance(value, dict) else value
+        for value in map(values.get, names)
+    )
+    return [page.code(run["run"][:8]), *cells]
 
 
 def _is_in(folder: Path) -> bool:
