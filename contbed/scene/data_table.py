@@ -14,6 +14,7 @@ from __future__ import annotations
 import codecs
 import csv
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from math import isfinite
@@ -76,12 +77,7 @@ class DataTable:
         SceneError : no such column, another kind of quantity, or a cell that is no
             finite number
         """
-        if name not in self.names:
-            raise self.error(
-                self.header_line,
-                f"no column '{name}'{self._near(name)}",
-            )
-        index = self.names.index(name)
+        index = self._place(name)
         scale = factor_and_offset(self.units[index] or "1", unit)
         if scale is None:
             found = (
@@ -110,13 +106,21 @@ class DataTable:
 
     def texts(self, name: str) -> tuple[str, ...]:
         """Return the cells of a column as they are written."""
-        if name not in self.names:
-            raise self.error(
-                self.header_line,
-                f"no column '{name}'{self._near(name)}",
-            )
-        index = self.names.index(name)
+        index = self._place(name)
         return tuple(cells[index] for cells in self.cells)
+
+    def optional(self, name: str | None, unit: str) -> NDArray[np.float64]:
+        """Return the values of a column, not a number where it has no name."""
+        if name is None:
+            return np.full(len(self.cells), np.nan)
+        return self.column(name, unit)
+
+    def rows_with(self, texts: Mapping[str, str]) -> NDArray[np.bool_]:
+        """Return which rows have these texts in the columns of these names, (rows,)."""
+        found = np.ones(len(self.cells), dtype=bool)
+        for name, text in texts.items():
+            found &= np.array(self.texts(name)) == text
+        return found
 
     def error(self, line: int, text: str) -> SceneError:
         """Return a mistake of this file at a line."""
@@ -129,9 +133,18 @@ class DataTable:
         )
         return f"; found {', '.join(names)}" if any(self.units) else _NO_DATA
 
-    def _near(self, name: str) -> str:
+    def _place(self, name: str) -> int:
+        """Return the number of a column.
+
+        Raises
+        ------
+        SceneError : there is none of this name
+        """
+        if name in self.names:
+            return self.names.index(name)
         known = list(self.names)
-        return f"; {nearest(name, known)}" if any(self.units) else _NO_DATA
+        hint = f"; {nearest(name, known)}" if any(self.units) else _NO_DATA
+        raise self.error(self.header_line, f"no column '{name}'{hint}")
 
 
 def read_table(path: Path) -> DataTable:

@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,13 +25,14 @@ from contbed.many.calibrate.settings import (
     experiment_names,
 )
 from contbed.many.quantities import result as named_result
+from contbed.many.study_file import unit_of
 from contbed.many.value_sets import MAGNITUDE, tidy
 from contbed.scene.data_table import DataTable, read_table
 from contbed.scene.names import near_names
 from contbed.scene.tables import SceneBase
+from contbed.scene.uncertain import share_of
 from contbed.scene.units import factor_and_offset, to_si
 
-PERCENT = re.compile(r"\s*([0-9.eE+-]+)\s*%\s*")
 OUTPUT_POSITION = re.compile(r"output\.positions\[(\d+)\]")
 NONE = math.nan
 
@@ -63,16 +66,15 @@ class Point:
 
 @dataclass(frozen=True)
 class Job:
-    """One scene that is run for each set of the fitted keys: its file, the keys set
-    in it, and what it predicts.
+    """One scene that is run for each set of the fitted keys: its file, what loads it
+    with other values, the keys set in it, and what it predicts.
     """
 
     experiment: str
-    scene: Any
+    scene: Path
+    make: Callable[[Mapping[str, Any]], SceneBase]
     changes: Mapping[str, Any]
     points: tuple[Point, ...]
-    trust: bool = field(default=False)
-    allow_large: bool = field(default=False)
 
     def load(self, keys: Mapping[str, float]) -> SceneBase:
         """Return the scene with these values of the fitted keys.
@@ -81,8 +83,7 @@ class Job:
         ------
         SceneError : the scene does not take them
         """
-        changes = {**self.changes, **keys}
-        return load(self.scene, changes, trust=self.trust, allow_large=self.allow_large)
+        return self.make({**self.changes, **keys})
 
 
 def read_jobs(
@@ -107,9 +108,10 @@ def read_jobs(
         zip(experiment_names(file.settings), file.settings.experiment, strict=True)
     ):
         try:
-            for number, job in enumerate(
-                _jobs(file, k, name, settings, trust, allow_large)
-            ):
+            scene = file.origin.base / settings.scene
+            make = partial(load, scene, trust=trust, allow_large=allow_large)
+            job_of = partial(Job, name, scene, make)
+            for number, job in enumerate(_jobs(file, k, name, settings, job_of)):
                 _check(file, k, job, start, ends=number == 0)
                 jobs.append(job)
         except SceneError as error:
@@ -131,23 +133,20 @@ def _jobs(
     k: int,
     name: str,
     settings: ExperimentSettings,
-    trust: bool,
-    allow_large: bool,
+    job_of: Callable[..., Job],
 ) -> Iterator[Job]:
-    origin, scene = file.origin, file.origin.base / settings.scene
-    table = read_table(file.origin.base / settings.file)
-    keep = np.ones(len(table.cells), dtype=bool)
-    for column, text in settings.where.items():
-        keep &= np.array([cell == text for cell in table.texts(column)])
+    origin = file.origin
+    table = read_table(origin.base / settings.file)
     predict_at = origin.at(("experiment", k, "predict"))
-    t = _column(table, settings.time, "s")
-    rows = np.flatnonzero(keep & ~(t <= 0.0))  # a run begins with what is at 0 s
+    t = table.optional(settings.time, "s")
+    x = table.optional(settings.position, "m")
+    # a run begins with what is at 0 s
+    rows = np.flatnonzero(table.rows_with(settings.where) & ~(t <= 0.0))
     if not len(rows):
         raise SceneError(
             f"{origin.at(('experiment', k, 'where'))}: where: no row of "
             f"{settings.file} fits after 0 s"
         )
-    x = _column(table, settings.position, "m")
     points = [
         _points(
             name,
@@ -162,24 +161,15 @@ def _jobs(
         for j, value in enumerate(settings.values)
     ]
     if settings.keys:
-        from contbed.explain import sheets
-        from contbed.scene.toml_lines import parse_key
-
         columns = {
-            key: table.column(column, sheets.unit(parse_key(key)) or "1")
+            key: table.column(column, unit_of(key) or "1")
             for key, column in settings.keys.items()
         }
         extra = tuple(_predicted(name, settings, t, x, predict_at))
         for index, row in enumerate(rows):
             own = {key: float(column[row]) for key, column in columns.items()}
-            yield Job(
-                name,
-                scene,
-                {**settings.set, **own},
-                (*(each[index] for each in points), *extra),
-                trust,
-                allow_large,
-            )
+            here = (each[index] for each in points)
+            yield job_of({**settings.set, **own}, (*here, *extra))
         return
     found = (
         *(point for each in points for point in each),
@@ -190,11 +180,7 @@ def _jobs(
         changes["time.times"] = times
     if positions := sorted({point.x for point in found if not math.isnan(point.x)}):
         changes["output.positions"] = positions
-    yield Job(name, scene, changes, found, trust, allow_large)
-
-
-def _column(table: DataTable, name: str | None, unit: str) -> Array:
-    return np.full(len(table.cells), NONE) if name is None else table.column(name, unit)
+    yield job_of(changes, found)
 
 
 def _points(
@@ -253,9 +239,9 @@ def _errors(
         scale = factor_and_offset(header, unit)
         return given - (scale[1] if scale else 0.0)
     assert value.error is not None, "checked when the file was read"
-    share = PERCENT.fullmatch(value.error)
+    share = share_of(value.error)
     if share is not None:
-        return float(share[1]) / 100.0 * np.abs(measured)
+        return share * np.abs(measured)
     try:
         error = to_si(value.error, unit) - to_si(MAGNITUDE.sub("0 ", value.error), unit)
     except ValueError as wrong:
@@ -303,20 +289,19 @@ def _check(
     """Raise SceneError for values that the scene does not reach, keys that it does
     not take, `ends` of priors too.
     """
-    base = Job(job.experiment, job.scene, {}, (), job.trust, job.allow_large)
     static = {
         key: value
         for key, value in job.changes.items()
         if key not in ("time.times", "output.positions")
     }
     try:
-        scene: Any = base.load({**static, **start})
+        scene: Any = job.make({**static, **start})
     except SceneError as error:
         raise SceneError(
             [_relocated(file, k, text) for text in error.problems]
         ) from None
     if ends:
-        _check_ends(file, base, static, start)
+        _check_ends(file, job, static, start)
     time = getattr(scene, "time", None)
     problems = []
     for point in job.points:
@@ -347,7 +332,7 @@ def _check(
 
 def _check_ends(
     file: CalibrationFile,
-    base: Job,
+    job: Job,
     static: Mapping[str, Any],
     start: Mapping[str, float],
 ) -> None:
@@ -358,7 +343,7 @@ def _check_ends(
             continue
         for end in (key.prior.low, key.prior.high):
             try:
-                base.load({**static, **start, key.name: end})
+                job.make({**static, **start, key.name: end})
             except SceneError as error:
                 text = error.problems[0].removeprefix("override: ")
                 problems.append(

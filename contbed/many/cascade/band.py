@@ -28,7 +28,6 @@ from contbed.closures.binding import bind
 from contbed.closures.file import content_hash
 from contbed.dem import extract
 from contbed.errors import ContbedError, ConvergenceError, SceneError
-from contbed.loading import load
 from contbed.many.cascade import measured
 from contbed.many.cascade.file import AT_PARTICLE, Cascade
 from contbed.many.cascade.particles import DEGREE, Ensemble
@@ -144,14 +143,7 @@ class Runs:
         output: dict[str, Any] = {"output.plots": False, "output.fields": False}
         if cascade.measured is not None:
             output |= measured.outputs(cascade.measured)
-        values = {**output, **files, **changes}
-        scene = load(
-            cascade.scene_file,
-            values,
-            trust=cascade.trust,
-            allow_large=cascade.allow_large,
-        )
-        case = case_of(scene, {})
+        case = case_of(cascade.load({**output, **files, **changes}), {})
         outcome = known(case, self.folder, self.retry_failed)
         self.before += outcome is not None and case.name not in self.seen
         self.seen.add(case.name)

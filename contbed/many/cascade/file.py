@@ -149,6 +149,7 @@ class Cascade:
 
     `reactor` : what the packings give the scene
     `measured` : the bed whose measured points are compared; None if there is none
+    `load` : returns the scene with other values
     """
 
     path: Path
@@ -157,8 +158,7 @@ class Cascade:
     reactor: Reactor
     uncertain: tuple[tuple[str, float, float], ...]
     measured: Case | None
-    trust: bool
-    allow_large: bool
+    load: Callable[..., SceneBase]
 
     @property
     def scene_file(self) -> Path:
@@ -200,8 +200,7 @@ def read_cascade(
         reactor(scene),
         uncertain,
         measured,
-        trust,
-        allow_large,
+        make,
     )
 
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
 from pathlib import Path
 from typing import Literal
 
@@ -97,8 +97,6 @@ class Design:
     runs: int
     method: Literal["gradient", "surrogate"]
     repeats: int
-    trust: bool
-    allow_large: bool
 
     @property
     def start(self) -> Array:
@@ -128,26 +126,22 @@ class Design:
     @property
     def results(self) -> tuple[str, ...]:
         """Named results that objective and constraints use."""
-        names = dict.fromkeys(
-            [
-                *self.objective.names,
-                *(name for one in self.constraints for name in one.names),
-            ]
-        )
-        return tuple(name for name in names if not is_key(name))
+        return tuple(name for name in self._names if not is_key(name))
+
+    @property
+    def _names(self) -> dict[str, None]:
+        """Keys and results that objective and constraints use."""
+        used = (self.objective.names, *(one.names for one in self.constraints))
+        return dict.fromkeys(chain.from_iterable(used))
 
     def fixed(self) -> dict[str, float]:
         """Return the values of the scene's keys that expressions use and that do not
         change.
         """
-        names = {
-            *self.objective.names,
-            *(name for one in self.constraints for name in one.names),
-        }
         changed = {key.name for key in self.keys}
         return {
             name: float(value_at(self.scene, name))
-            for name in names
+            for name in self._names
             if is_key(name) and name not in changed
         }
 
@@ -163,8 +157,12 @@ class Design:
             key.name: plain(key, value)
             for key, value in zip(self.keys, point, strict=True)
         }
+        origin = self.scene.origin
         return load(
-            self.scene_file, values, trust=self.trust, allow_large=self.allow_large
+            self.scene_file,
+            values,
+            trust=origin.trust,
+            allow_large=origin.allow_large,
         )
 
 

@@ -96,18 +96,14 @@ def read_design(
     settings = file.settings
     scene_file = file.file(("scene",), settings.scene)
     file.stop()
-    scene = load(scene_file, trust=trust, allow_large=allow_large)
+    make = partial(load, scene_file, trust=trust, allow_large=allow_large)
+    scene = make()
     method = _method(file, model_of(scene).scatters)
     repeats = _repeats(file, method, bool(seeds(scene)))
     keys = _keys(file, scene)
     file.stop()
     try:
-        load(
-            scene_file,
-            {key.name: plain(key, key.start) for key in keys},
-            trust=trust,
-            allow_large=allow_large,
-        )
+        make({key.name: plain(key, key.start) for key in keys})
     except SceneError as error:
         places = {key.name: key.at for key in keys}
         raise SceneError(
@@ -123,7 +119,7 @@ def read_design(
     assert objective is not None
     found = Design(
         file.path, settings.title, scene_file, scene, keys, objective, file.origin.at((aim,)), aim == "maximise",
-        constraints, settings.runs, method, repeats, trust, allow_large,
+        constraints, settings.runs, method, repeats,
     )  # fmt: skip
     require_possible(found)
     return found

@@ -33,7 +33,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 
 from contbed.arrays import Array
@@ -170,18 +169,10 @@ class Case:
         """
         wanted = self.settings.measured
         table = read_table(self.folder / wanted.file)
-        keep = np.ones(len(table.cells), dtype=bool)
-        for column, text in wanted.where.items():
-            keep &= np.array([cell == text for cell in table.texts(column)])
-        t, x, height = (
-            np.full(len(keep), np.nan) if column is None else table.column(column, unit)
-            for column, unit in (
-                (wanted.time, "s"),
-                (wanted.position, "m"),
-                (wanted.height, "m"),
-            )
-        )
-        keep &= ~(t <= 0.0)
+        t = table.optional(wanted.time, "s")
+        x = table.optional(wanted.position, "m")
+        height = table.optional(wanted.height, "m")
+        keep = table.rows_with(wanted.where) & ~(t <= 0.0)
         if not keep.any():
             raise SceneError(
                 f"{self.origin.at(('measured',))}: no row of {wanted.file} fits "
