@@ -7,10 +7,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from contbed import fields
 from contbed.errors import SceneError
 from contbed.explain import sheets
 from contbed.fields import FIELDS, labelled, name_of, unit_of
-from contbed.scene.names import nearest
+from contbed.scene.names import nearest, nearest_of
 from contbed.scene.toml_lines import parse_key
 
 
@@ -63,6 +64,18 @@ def result(key: str) -> Quantity:
     return Quantity(
         key, name_of(key).removesuffix(f"_{ending}").removesuffix(f"_{unit}"), unit
     )
+
+
+def why_unknown(name: str) -> str:
+    """Return why a name is no named result of any run; empty if it is one."""
+    if fields.result(name) is not None:
+        return ""
+    known = dict.fromkeys(
+        one.replace("PHASE", phase)
+        for one in fields.RESULTS
+        for phase in ("fluid", "solid")
+    )
+    return f"no named result {name!r}; {nearest_of(name, list(known))}"
 
 
 def number_of(qoi: Mapping[str, Any], name: str, where: str) -> float:

@@ -11,6 +11,9 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from contbed.arrays import Array
 from contbed.output.files import atomic
 from contbed.output.toml_text import toml_text
 from contbed.scene.inputs import named_files
@@ -18,6 +21,7 @@ from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, parse_key, read
 
 Row = Sequence[Any]
+SAME = 1e-9  # relative difference of two times or positions that are the same
 
 
 def exact(value: Any) -> Any:
@@ -55,6 +59,17 @@ def aligned(rows: Sequence[Sequence[str]], left: Collection[int]) -> list[str]:
         ]
         lines.append("  ".join(padded).rstrip())
     return lines
+
+
+def row_at(*columns: tuple[Array, float]) -> tuple[int, bool]:
+    """Return the row of a table that is nearest to a value in each of some columns,
+    and whether it has them but for rounding.
+    """
+    distance = np.zeros(len(columns[0][0]))
+    for values, wanted in columns:
+        distance += np.abs(values - wanted) / max(float(np.abs(values).max()), SAME)
+    row = int(np.argmin(distance))
+    return row, bool(distance[row] <= SAME)
 
 
 def scene_text(

@@ -33,7 +33,7 @@ def test_keys_without_a_derivative_are_refused_by_name(name, told):
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("T_fluid_out", "did you mean T_fluid_out_K"),
+        ("T_fluid_out", "nearest: T_fluid_out_K"),
         ("u_max", 'the run has no result "u_max"; allowed: '),
     ],
 )

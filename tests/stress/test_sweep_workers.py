@@ -211,7 +211,7 @@ def test_a_run_that_always_kills_its_worker_fails_and_the_others_finish(folder):
     found = sweep("study.toml", "out", jobs=2)
     done.append(True)
     thread.join()
-    assert [row.name for row in found.failed] == [victim]
+    assert [row.run for row in found.failed] == [victim]
     assert (
         found.failed[0].exit_code == 137
         and "its worker died" in found.failed[0].problem

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -16,7 +16,7 @@ import numpy as np
 
 from contbed.arrays import Array, Integers
 from contbed.errors import SceneError
-from contbed.fields import FIELDS, RESULTS, result
+from contbed.fields import FIELDS
 from contbed.loading import load
 from contbed.many.calibrate.settings import (
     CalibrationFile,
@@ -25,10 +25,11 @@ from contbed.many.calibrate.settings import (
     experiment_names,
 )
 from contbed.many.quantities import result as named_result
+from contbed.many.quantities import why_unknown
 from contbed.many.study_file import unit_of
 from contbed.many.value_sets import MAGNITUDE, tidy
 from contbed.scene.data_table import DataTable, read_table
-from contbed.scene.names import near_names
+from contbed.scene.names import nearest_of
 from contbed.scene.tables import SceneBase
 from contbed.scene.uncertain import share_of
 from contbed.scene.units import factor_and_offset, to_si
@@ -196,9 +197,9 @@ def _points(
     """Return the measured values of a column."""
     in_profiles = settings.time is not None or settings.position is not None
     if in_profiles and value.quantity not in FIELDS:
-        hint = meant(value.quantity, FIELDS)
+        hint = nearest_of(value.quantity, list(FIELDS))
         raise SceneError(
-            f"{where}: quantity: no profiles have a column '{value.quantity}'{hint}"
+            f"{where}: quantity: no profiles have a column '{value.quantity}'; {hint}"
         )
     if not in_profiles:
         _require_result(value.quantity, f"{where}: quantity")
@@ -273,14 +274,8 @@ def _predicted(
 
 def _require_result(name: str, where: str) -> None:
     """Raise SceneError for a name that no run of any scene reports."""
-    if result(name) is None:
-        raise SceneError(f'{where}: no run has a result "{name}"{meant(name, RESULTS)}')
-
-
-def meant(name: str, known: Iterable[str]) -> str:
-    """Return which name was probably meant, or nothing."""
-    found = near_names(name, list(known))
-    return f"; did you mean '{found[0]}'?" if found else ""
+    if why := why_unknown(name):
+        raise SceneError(f"{where}: {why}")
 
 
 def _check(

@@ -11,10 +11,10 @@ from contbed.errors import SceneError
 from contbed.fields import header, name_of
 from contbed.many.calibrate.experiments import Point
 from contbed.many.quantities import number_of
+from contbed.many.tables import row_at
 from contbed.result import Result
 from contbed.scene.names import nearest
 
-SAME = 1e-9  # relative difference of two times or positions that are the same
 COORDINATES = ("x", "z", "r", "y")  # along the bed, the first that the profiles have
 
 
@@ -61,13 +61,13 @@ def _in_profiles(result: Result, point: Point) -> float:
         raise SceneError(
             f"{place}: the profiles of this scene have no positions; leave out position"
         )
-    distance = np.abs(axis - point.x) / max(float(np.max(np.abs(axis))), SAME)
+    wanted = [(axis, point.x)]
     if not math.isnan(point.t):
         if times is None:
             raise SceneError(f"{place}: the profiles have no times; leave out time")
-        distance = distance + np.abs(times - point.t) / max(float(np.max(times)), SAME)
-    row = int(np.argmin(distance))
-    if distance[row] > SAME:
+        wanted.append((times, point.t))
+    row, is_there = row_at(*wanted)
+    if not is_there:
         raise SceneError(
             f"{place}: the run has no output there; {float(axis[row]):g} m is the "
             "nearest position"

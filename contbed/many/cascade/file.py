@@ -38,7 +38,6 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field
 
-from contbed import fields
 from contbed.bubbling_bed.scene import BubblingScene
 from contbed.closures.binding import bind
 from contbed.dem.checks import LOWEST
@@ -47,10 +46,11 @@ from contbed.dem.scene import SOLID_SHARE
 from contbed.errors import SceneError
 from contbed.loading import load
 from contbed.many.cascade.reactor import Reactor, reactor, why_not
+from contbed.many.quantities import why_unknown
 from contbed.many.study_file import StudyFile
 from contbed.many.validate.case import Case, names, read_case
 from contbed.packed_bed.scene import Scene
-from contbed.scene.names import nearest, nearest_of
+from contbed.scene.names import nearest
 from contbed.scene.quantities import (
     Length,
     Natural,
@@ -297,8 +297,5 @@ def _note_mistakes(file: StudyFile[Settings], scene: SceneBase) -> None:
         except SceneError as error:
             file.say(("laws", "exchange", k), str(error))
     for name in settings.qoi:
-        if fields.unit_of(name) is None:
-            file.say(
-                ("qoi",),
-                f"no named result {name!r}; {nearest_of(name, list(fields.RESULTS))}",
-            )
+        if why := why_unknown(name):
+            file.say(("qoi",), why)

@@ -116,18 +116,10 @@ def slope(
     ContbedError : a run fails, with the value of the key
     """
     chosen = steps(scene, key, relative)
-    found = []
-    for distance in (chosen.size, 2 * chosen.size):
-        ends = {
-            side: _at(scene, key, key.value + side * distance, results)
-            for side in chosen.sides
-        }
-        if len(ends) == 2:
-            found.append((ends[1] - ends[-1]) / (2 * distance))
-        else:
-            side = chosen.sides[0]
-            found.append(side * (ends[side] - centre) / distance)
-    near, far = found
+    near, far = (
+        _quotient(scene, key, chosen.sides, distance, results, lambda: centre)
+        for distance in (chosen.size, 2 * chosen.size)
+    )
     order = 2 if len(chosen.sides) == 2 else 1
     change = (near - far) / (2**order - 1)
     return Slope(near + change, np.abs(change), chosen.note)
@@ -151,20 +143,12 @@ def noisy_slope(
         )
         distances.append(distance)
         other = with_seeds(scene, places, number)
-        ends = {
-            side: _at(other, key, key.value + side * distance, results)
-            for side in chosen.sides
-        }
-        if len(ends) == 2:
-            found.append((ends[1] - ends[-1]) / (2 * distance))
-        else:
-            side = chosen.sides[0]
-            start = (
-                centre
-                if number == 0 or not seeded
-                else _at(other, key, key.value, results)
-            )
-            found.append(side * (ends[side] - start) / distance)
+
+        def start(other: SceneBase = other, is_known: bool = not number) -> Array:
+            known = is_known or not seeded
+            return centre if known else _at(other, key, key.value, results)
+
+        found.append(_quotient(other, key, chosen.sides, distance, results, start))
         if seeded and number == 1 and np.array_equal(found[0], found[1]):
             return noisy_slope(scene, key, results, centre, seeded=False)
     each = np.array(found)
@@ -175,6 +159,28 @@ def noisy_slope(
     return Slope(
         each.mean(axis=0), each.std(axis=0, ddof=1) / math.sqrt(SEEDS), chosen.note
     )
+
+
+def _quotient(
+    scene: SceneBase,
+    key: Key,
+    sides: Sequence[int],
+    distance: float,
+    results: Results,
+    centre: Callable[[], Array],
+) -> Array:
+    """Return the difference of the results over that of the key at a distance on both
+    sides, or on one of them; `centre` then returns the results of the scene itself.
+    """
+    ends = {
+        side: _at(scene, key, key.value + side * distance, results) for side in sides
+    }
+    if len(ends) == 2:
+        found: Array = (ends[1] - ends[-1]) / (2 * distance)
+        return found
+    (side,) = sides
+    found = side * (ends[side] - centre()) / distance
+    return found
 
 
 def _at_no_distance(distances: Array, found: Array, order: int) -> tuple[Array, Array]:

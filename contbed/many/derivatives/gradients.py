@@ -18,19 +18,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
-from contbed import fields
 from contbed.arrays import Array
 from contbed.compiled.blas import single_blas
 from contbed.errors import SceneError, UnlikeError
 from contbed.many.derivatives import differences, tangent
 from contbed.many.derivatives.differences import Slope
 from contbed.many.derivatives.keys import Key, key
-from contbed.many.quantities import number_of
+from contbed.many.quantities import number_of, why_unknown
 from contbed.models import model_of
 from contbed.result import Result
 from contbed.runner import engine_named, run
@@ -142,19 +140,8 @@ def require_known(qoi: Sequence[str]) -> None:
     solved.
     """
     for name in qoi:
-        if fields.result(name) is None:
-            known = [
-                one.replace("PHASE", phase)
-                for one in fields.RESULTS
-                for phase in ("fluid", "solid")
-            ]
-            near = get_close_matches(name, known, n=1, cutoff=0.7)
-            hint = (
-                f"did you mean {near[0]}?"
-                if near
-                else "summary.json of a run lists those it has"
-            )
-            raise SceneError(f"{name}: no result has this name; {hint}")
+        if why := why_unknown(name):
+            raise SceneError(why)
 
 
 def picked(scene: SceneBase, found: dict[str, Any], qoi: Sequence[str]) -> Array:

@@ -105,13 +105,8 @@ def table(found: Gradient, about: dict[str, Any]) -> str:
     for i, name in enumerate(found.qoi):
         unit = about["qoi"][name]["unit"]
         rows = [_row(found, about, i, j) for j in order(found, i)]
-        head = (
-            "key",
-            "value",
-            f"d {name}/d key",
-            "relative",
-            *(["standard error"] if _scatters(found) else []),
-        )
+        head = ["key", "value", f"d {name}/d key", "relative"]
+        head += ["standard error"] if found.standard_errors is not None else []
         lines.append(f"{name} = {found.values[i]:.{DIGITS}g}{behind(unit)}")
         lines += [f"  {line}" for line in aligned([head, *rows], left=range(len(head)))]
         lines.append("")
@@ -120,10 +115,6 @@ def table(found: Gradient, about: dict[str, Any]) -> str:
         "percent of the key"
     )
     return "\n".join([*lines, *(f"note: {note}" for note in found.notes)])
-
-
-def _scatters(found: Gradient) -> bool:
-    return found.standard_errors is not None
 
 
 def _row(found: Gradient, about: dict[str, Any], i: int, j: int) -> tuple[str, ...]:
@@ -208,25 +199,13 @@ def tornado(path: Path, found: Gradient, title: str) -> None:
         ]
         for i, (panel, keys) in enumerate(zip(panels, shown, strict=True)):
             values = np.nan_to_num(found.logarithmic[i, keys])
-            errors = _relative_errors(found, i, keys)
+            errors = None
+            if found.standard_errors is not None:
+                relative = found.standard_errors[i] * found.at / found.values[i]
+                errors = np.where(np.isfinite(relative), np.abs(relative), 0.0)[keys]
             colours = ["#0072B2" if value >= 0.0 else "#D55E00" for value in values]
             panel.barh(range(len(keys)), values, color=colours, height=0.7, xerr=errors)
             panel.set_yticks(range(len(keys)), [found.keys[j] for j in keys])
             panel.invert_yaxis()
             panel.axvline(0.0, color="black", linewidth=0.6)
             panel.set_xlabel(f"d ln {found.qoi[i]} / d ln key")
-
-
-def _relative_errors(found: Gradient, i: int, keys: Sequence[int]) -> Any:
-    if found.standard_errors is None:
-        return None
-    return list(
-        _finite(
-            abs(found.standard_errors[i, j] * found.at[j] / found.values[i])
-            for j in keys
-        )
-    )
-
-
-def _finite(values: Iterator[Any]) -> Iterator[float]:
-    return (float(value) if np.isfinite(value) else 0.0 for value in values)

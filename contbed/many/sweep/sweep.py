@@ -15,7 +15,7 @@ from pathlib import Path
 
 from contbed.errors import SceneError
 from contbed.many import workers
-from contbed.many.runs import Case, is_damaged, known
+from contbed.many.runs import is_damaged, known
 from contbed.many.store import Content, locked
 from contbed.many.sweep import table
 from contbed.many.sweep.study import Study, read_study
@@ -113,7 +113,17 @@ def sweep(
             (case, outcomes.get(case.name) or known(case, folder))
             for case in todo.cases
         )
-        rows = [_row(case, outcome) for case, outcome in ended if outcome is not None]
+        rows = [
+            Row(
+                case.name,
+                case.parameters,
+                found["qoi"],
+                found["exit_code"],
+                found["problem"],
+            )
+            for case, found in ended
+            if found is not None
+        ]
         with _alone(folder):
             table.write(folder, todo, rows)
     _require_known(todo, rows)
@@ -144,16 +154,6 @@ def _found(
     if jobs == 1 or not waiting:
         return workers.in_this_process(waiting, folder)
     return workers.on_this_machine(waiting, folder, jobs)
-
-
-def _row(case: Case, outcome: Content) -> Row:
-    return Row(
-        case.name,
-        case.parameters,
-        outcome["qoi"],
-        outcome["exit_code"],
-        outcome["problem"],
-    )
 
 
 def _require_known(todo: Study, rows: list[Row]) -> None:

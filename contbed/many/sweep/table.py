@@ -27,7 +27,7 @@ class Row:
     code and problem.
     """
 
-    name: str
+    run: str
     parameters: Mapping[str, Any]
     qoi: Mapping[str, Any]
     exit_code: int = 0
@@ -51,16 +51,6 @@ def write(out: Path, study: Study, rows: list[Row]) -> None:
         "parameters": {q.key: {"unit": q.unit} for q in parameters},
         "qoi": {q.key: {"unit": q.unit} for q in results},
     }
-    runs = [
-        {
-            "run": row.name,
-            "exit_code": row.exit_code,
-            "problem": row.problem,
-            "parameters": row.parameters,
-            "qoi": row.qoi,
-        }
-        for row in rows
-    ]
     counts = {
         "cases": len(study.cases),
         "ended": len(rows),
@@ -73,7 +63,7 @@ def write(out: Path, study: Study, rows: list[Row]) -> None:
             **counts,
             "warnings": study.warnings,
             **described,
-            "runs": runs,
+            "runs": [vars(row) for row in rows],
         },
     )
 
@@ -107,7 +97,6 @@ def chosen(study: Study, rows: Sequence[Row]) -> list[tuple[Quantity, Array]]:
 
 
 def _cells(parameters: list[Quantity], results: list[Quantity], row: Row) -> list[Any]:
-    values = [row.parameters[q.key] for q in parameters] + [
-        row.qoi.get(q.key) for q in results
-    ]
-    return [*values, row.name, row.exit_code, row.problem]
+    given = [row.parameters[q.key] for q in parameters]
+    found = [row.qoi.get(q.key) for q in results]
+    return [*given, *found, row.run, row.exit_code, row.problem]

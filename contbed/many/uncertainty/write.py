@@ -74,7 +74,7 @@ def write(study: Study, rows: Sequence[Row], out: Path) -> Report | None:
     sample = study.sample
     if sample is None or len(study.order) != len(sample.points):
         return None
-    by_name = {row.name: row for row in rows}
+    by_name = {row.run: row for row in rows}
     if not all(name in by_name for name in study.order):
         return None
     ordered = [by_name[name] for name in study.order]

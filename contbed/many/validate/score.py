@@ -12,6 +12,7 @@ V&V 20-2009). Numerical errors are far below both.
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -21,13 +22,12 @@ import numpy as np
 from contbed.arrays import Array
 from contbed.closures.binding import scaled
 from contbed.fields import header
+from contbed.many.tables import row_at
 from contbed.many.validate import levels, signal
 from contbed.many.validate.case import Case
 from contbed.many.validate.deviations import Compared, score
 from contbed.result import Result
 from contbed.runner import run
-
-SAME = 1e-9  # relative difference of two times or positions that are the same
 
 
 @dataclass(frozen=True)
@@ -88,27 +88,11 @@ def profiles(case: Case, result: Result) -> Compared:
     points, report = case.points, case.settings.report
     predicted = at(case, result, points.t, points.x)
     squares, influence = np.zeros_like(predicted), {}
-    for key, value, spread in case.uncertain():
-        low, high = (
-            at(
-                case,
-                run(case.scene(**{key: value + side * spread})),
-                points.t,
-                points.x,
-            )
-            for side in (-1.0, 1.0)
-        )
+    for name, runs in _variations(case):
+        low, high = (at(case, one, points.t, points.x) for one in runs)
         change = 0.5 * (high - low)
         squares += change**2
-        influence[key] = float(np.sqrt(np.mean(change**2)))
-    for kind, spread in case.uncertain_closures():
-        sides = []
-        for side in (-1.0, 1.0):
-            with scaled({kind: 1.0 + side * spread}):
-                sides.append(at(case, run(case.scene()), points.t, points.x))
-        change = 0.5 * (sides[1] - sides[0])
-        squares += change**2
-        influence[f"closure of kind {kind}"] = float(np.sqrt(np.mean(change**2)))
+        influence[name] = float(np.sqrt(np.mean(change**2)))
     reported: dict[str, Any] = {}
     symbol = case.settings.quantity.partition("_")[0]
     whole = case.settings.compare == "history"
@@ -137,6 +121,22 @@ def profiles(case: Case, result: Result) -> Compared:
     return Compared(predicted, band, scores, reported, influence)
 
 
+def _variations(case: Case) -> Iterator[tuple[str, list[Result]]]:
+    """Yield the name of each uncertain input and closure, and the runs with it one
+    standard uncertainty below and above.
+    """
+    sides = (-1.0, 1.0)
+    for key, value, spread in case.uncertain():
+        ends = [case.scene(**{key: value + side * spread}) for side in sides]
+        yield key, [run(scene) for scene in ends]
+    for kind, spread in case.uncertain_closures():
+        runs = []
+        for side in sides:
+            with scaled({kind: 1.0 + side * spread}):
+                runs.append(run(case.scene()))
+        yield f"closure of kind {kind}", runs
+
+
 def at(case: Case, result: Result, t: Array, x: Array) -> Array:
     """Return the predicted quantity at times [s] and positions [m] at which the run
     has output, shape (points,).
@@ -157,14 +157,9 @@ def looked_up(values: Array, times: Array, axis: Array, t: Array, x: Array) -> A
     """Return values of a table at times [s] and positions [m] that are among its
     rows, shape (points,).
     """
-    scale_t = max(float(np.max(times)), SAME)
-    scale_x = max(float(np.max(np.abs(axis))), SAME)
     out = np.empty(len(t))
     for k, (moment, place) in enumerate(zip(t, x, strict=True)):
-        distance = np.abs(times - moment) / scale_t + np.abs(axis - place) / scale_x
-        nearest = int(np.argmin(distance))
-        assert distance[nearest] <= SAME, (
-            "the scene of a case has output at all its points"
-        )
-        out[k] = values[nearest]
+        row, is_there = row_at((times, moment), (axis, place))
+        assert is_there, "the scene of a case has output at all its points"
+        out[k] = values[row]
     return out
