@@ -2,28 +2,41 @@
 
 import textwrap
 import tomllib
+from copy import deepcopy
+
+
+def put(scene, key, value):
+    """Set the value of a dotted key in place, None removes it; tables that the scene
+    lacks are added.
+    """
+    *above, last = key.split(".")
+    for name in above:
+        scene = scene.setdefault(name, {})
+    if value is None:
+        del scene[last]
+    else:
+        scene[last] = value
 
 
 def set_keys(scene, text):
     """Replace the value of each key that the text names, one `table.key = value` a line;
     tables that the scene lacks are added.
     """
-    for line in text.strip().splitlines():
+    for line in filter(str.strip, text.splitlines()):
         key, _, value = line.strip().partition(" = ")
-        *above, last = key.split(".")
-        table = scene
-        for name in above:
-            table = table.setdefault(name, {})
-        table[last] = tomllib.loads(f"value = {value}")["value"]
+        put(scene, key, tomllib.loads(f"value = {value}")["value"])
 
 
 def scene_of(text, values=None):
     """Return the tables of a text as nested dicts, with the values of dotted keys."""
-    scene = tomllib.loads(textwrap.dedent(text))
-    for key, value in (values or {}).items():
-        *above, last = key.split(".")
-        table = scene
-        for name in above:
-            table = table.setdefault(name, {})
-        table[last] = value
+    return changed(tomllib.loads(textwrap.dedent(text)), values)
+
+
+def changed(scene, changes=None, without=()):
+    """Return a copy of a scene with the values of dotted keys and without others."""
+    scene = deepcopy(scene)
+    for key, value in (changes or {}).items():
+        put(scene, key, value)
+    for key in without:
+        put(scene, key, None)
     return scene

@@ -7,6 +7,7 @@ from pathlib import Path
 import contbed
 from contbed.loading import from_dict
 from tests.balances import assert_closed
+from tests.scene_text import scene_of
 
 STUDY = Path(__file__).parents[2] / "studies" / "bubbling_bed_case1"
 QUIET = {"plots": False, "fields": False}
@@ -85,12 +86,15 @@ def one(**changes):
         "gas_coefficient": 100.0,
         "mixing_conductivity": 5.0,
     }
-    tables = {
-        "bubbling_bed": {"height": 0.6, "section": 1.3, "solids_fraction": 0.5},
-        "boundary": {"bottom": {"gas": {"capacity_flow": 300.0, "temperature": 300.0}}},
-        "solids": {"inert": inert | changes.pop("inert", {})},
-        "output": dict(QUIET),
-    }
+    tables = scene_of(
+        """
+            bubbling_bed = { height = 0.6, section = 1.3, solids_fraction = 0.5 }
+
+            [boundary]
+            bottom = { gas = { capacity_flow = 300.0, temperature = 300.0 } }
+        """,
+        {"solids.inert": inert | changes.pop("inert", {}), "output": dict(QUIET)},
+    )
     return from_dict(changed(tables, changes))
 
 

@@ -53,20 +53,32 @@ def tables(stone=False, **changes):
     """A combustor of 1 m2 with 1 MW of coal; None removes a table."""
     inert = 0.98 - (0.1 if stone else 0.0)
     coal = {"fuel": deepcopy(COAL), "feed": fed(0.035)}
-    found = {
-        "bubbling_bed": {
-            "height": 1.0, "section": 1.0, "solids_fraction": 0.55, "bubbles": {"size": 0.1}, "drain": {"time": 7200.0},
-            "tubes": {"perimeter": 2.0, "coefficient": 250.0, "temperature": 550.0},
+    found = scene_of(
+        """
+        gas = { composition = "O2:0.21, N2:0.78, H2O:0.01" }
+        mesh = { cells = 12 }
+        solver = { degree = 2 }
+        output = { plots = false, fields = false }
+
+        [bubbling_bed]
+        height = 1.0
+        section = 1.0
+        solids_fraction = 0.55
+        bubbles = { size = 0.1 }
+        drain = { time = 7200.0 }
+        tubes = { perimeter = 2.0, coefficient = 250.0, temperature = 550.0 }
+
+        [boundary]
+        bottom = { gas = { mass_flow = 0.45, temperature = 400.0 } }
+    """,
+        {
+            "solids.char": particles(
+                0.02, 2e-3, 900.0, exchange={"inert": 2e4}, **coal
+            ),
+            "solids.inert": particles(inert, 8e-4, 2600.0),
+            "reactions": deepcopy(BURNING),
         },
-        "gas": {"composition": "O2:0.21, N2:0.78, H2O:0.01"},
-        "boundary": {"bottom": {"gas": {"mass_flow": 0.45, "temperature": 400.0}}},
-        "solids": {
-            "char": particles(0.02, 2e-3, 900.0, exchange={"inert": 2e4}, **coal),
-            "inert": particles(inert, 8e-4, 2600.0),
-        },
-        "reactions": deepcopy(BURNING),
-        "mesh": {"cells": 12}, "solver": {"degree": 2}, "output": {"plots": False, "fields": False},
-    }  # fmt: skip
+    )
     if stone:
         lime = {"limestone": {"purity": 0.95}, "feed": fed(0.005)}
         found["solids"]["stone"] = particles(
@@ -91,7 +103,8 @@ def combustor(stone=False, **changes):
 
 def tube(composition, reactions, **changes):
     """Gas alone through a bed without bubbles that its walls hold at 1200 K."""
-    found = scene_of(f"""
+    found = scene_of(
+        f"""
         [bubbling_bed]
         height = 0.5
         section = 0.1
@@ -121,7 +134,12 @@ def tube(composition, reactions, **changes):
         [output]
         plots = false
         fields = false
-    """, {"reactions": reactions, "solids.inert": particles(1.0, 2e-3, 2600.0, gas_coefficient=1e4)})  # fmt: skip
+    """,
+        {
+            "reactions": reactions,
+            "solids.inert": particles(1.0, 2e-3, 2600.0, gas_coefficient=1e4),
+        },
+    )
     return from_dict(changed(found, changes))
 
 

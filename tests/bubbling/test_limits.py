@@ -8,6 +8,7 @@ from bubbling_scenes import QUIET, case1, one, solids
 
 import contbed as cb
 from contbed.loading import from_dict
+from tests.scene_text import scene_of
 
 INERT = {
     "volume_share": 1.0,
@@ -44,18 +45,40 @@ def test_two_energy_model_of_a_packed_bed():
     """
     section, flow, source = 1.3, 300.0, 2e6
     bed = cb.run(one(inert={"release": {"rate": source}}))
-    packed = cb.run(from_dict({
-        "mesh": {"type": "line", "length": 0.6},
-        "gas": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
-        "solids": {"inert": {"diameter": 1e-3, "density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0}},
-        "packed_bed": {"porosity": 0.5},
-        "heat": {},
-        "closures": {"nusselt": 100.0 * 1e-3 / 0.05, "conductivity_gas": 0.0, "conductivity_solids": 5.0},
-        "region": {"bed": {"solids": {"heat_source": source}}},
-        "boundary": {"left": {"gas": {"velocity": flow / section / 1000.0, "temperature": 300.0}}},
-        "solver": {"tolerance": 1e-7},
-        "output": QUIET | {"positions": list(np.linspace(0.0, 0.6, 61))},
-    }))  # fmt: skip
+    scene = scene_of(
+        """
+        mesh = { type = "line", length = 0.6 }
+        packed_bed = { porosity = 0.5 }
+        heat = {}
+        solver = { tolerance = 1e-7 }
+
+        [gas]
+        density = 1.0
+        heat_capacity = 1000.0
+        conductivity = 0.05
+        viscosity = 2e-5
+
+        [solids.inert]
+        diameter = 1e-3
+        density = 2000.0
+        heat_capacity = 900.0
+        conductivity = 1.0
+
+        [closures]
+        nusselt = 2.0
+        conductivity_gas = 0.0
+        conductivity_solids = 5.0
+
+        [boundary.left.gas]
+        temperature = 300.0
+        """,
+        {
+            "region.bed.solids.heat_source": source,
+            "boundary.left.gas.velocity": flow / section / 1000.0,
+            "output": QUIET | {"positions": list(np.linspace(0.0, 0.6, 61))},
+        },
+    )
+    packed = cb.run(from_dict(scene))
     z = bed.profiles["z [m]"]
     for name, other in (
         ("T_emulsion [K]", "T_fluid [K]"),

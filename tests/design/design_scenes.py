@@ -1,4 +1,4 @@
-from tests.scene_text import set_keys
+from tests.scene_text import scene_of, set_keys
 
 """Scenes for tests of gradients: a moving bed between two streams, on few cells."""
 
@@ -156,16 +156,24 @@ def random_scene(seed):
         boundary[high if counter else low]["solids"]["particles"]["velocity"] = abs(
             speed
         )
-    values = {
-        "mesh": mesh,
-        "gas": gas,
-        "solids": {"particles": solid},
-        "packed_bed": {"porosity": porosity},
-        "closures": closures,
-        "heat": {},
-        "boundary": boundary,
-        "solver": {"degree": 2, "newton_tolerance": 1e-12, "balance_tolerance": 1e-6},
-    }
+    values = scene_of(
+        """
+            heat = {}
+
+            [solver]
+            degree = 2
+            newton_tolerance = 1e-12
+            balance_tolerance = 1e-6
+        """,
+        {
+            "mesh": mesh,
+            "gas": gas,
+            "solids.particles": solid,
+            "packed_bed.porosity": porosity,
+            "closures": closures,
+            "boundary": boundary,
+        },
+    )
     if varies and random.random() < 0.5:
         solid["heat_capacity"] = [700.0, 0.3]
     if random.random() < 0.25:

@@ -15,6 +15,7 @@ from contbed.many.derivatives.gradients import gradient, gradient_of, picked
 from contbed.many.derivatives.keys import continuous, key
 from studies._exact import fin
 from studies._exact.finite_length import finite_length
+from tests.scene_text import scene_of
 
 # the rounding of temperatures over the step of differences; the truncation of either is
 # smaller
@@ -68,18 +69,18 @@ def slip_case(values):
 
 def test_slip_case_by_its_exact_solution():
     scene = loads(SLIP)
-    names = {
-        "mesh.length": ("length",),
-        "gas.heat_capacity": ("fluid", "heat_capacity"),
-        "gas.conductivity": ("fluid", "conductivity"),
-        "solids.particles.density": ("solid", "density"),
-        "solids.particles.conductivity": ("solid", "conductivity"),
-        "packed_bed.porosity": ("bed", "porosity"),
-        "solids.particles.diameter": ("bed", "particle_diameter"),
-        "boundary.left.gas.velocity": ("velocity",),
-        "boundary.left.solids.particles.velocity": ("velocity_solid",),
-        "closures.nusselt": ("nusselt",),
-    }
+    names = scene_of("""
+        "mesh.length" = ["length"]
+        "gas.heat_capacity" = ["fluid", "heat_capacity"]
+        "gas.conductivity" = ["fluid", "conductivity"]
+        "solids.particles.density" = ["solid", "density"]
+        "solids.particles.conductivity" = ["solid", "conductivity"]
+        "packed_bed.porosity" = ["bed", "porosity"]
+        "solids.particles.diameter" = ["bed", "particle_diameter"]
+        "boundary.left.gas.velocity" = ["velocity"]
+        "boundary.left.solids.particles.velocity" = ["velocity_solid"]
+        "closures.nusselt" = ["nusselt"]
+    """)
     made = gradient(scene, ["T_fluid_out_K", "T_solid_out_K"], list(names))
     assert made.method == "tangent"
     values = {

@@ -4,7 +4,6 @@
 
 import json
 import sys
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from contbed.errors import EngineError
 from contbed.loading import from_dict
 from contbed.many.derivatives.gradients import gradient, gradient_of
 from contbed.runner import run
+from tests.scene_text import changed
 
 
 def found(result: Any) -> dict[str, Any]:
@@ -118,11 +118,7 @@ def complain(out: Path, scene: str, key: str, value: str) -> None:
     """All ranks meet the error that ended the root rank, in a scene with one value
     changed.
     """
-    table = tables = deepcopy(SCENES[scene])
-    *path, last = key.split(".")
-    for step in path:
-        table = table.setdefault(step, {})
-    table[last] = json.loads(value)
+    tables = changed(SCENES[scene], {key: json.loads(value)})
     try:
         run(from_dict(tables), out=out, engine="dolfinx")
     except Exception as error:

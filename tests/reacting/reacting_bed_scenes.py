@@ -94,18 +94,6 @@ def let_move(scene: dict[str, Any], velocity: float, **state: float) -> dict[str
     return scene
 
 
-def put(scene: dict[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """Replace the value of a dotted key, in place; None removes it."""
-    *above, last = key.split(".")
-    for step in above:
-        scene = scene.setdefault(step, {})
-    if value is None:
-        del scene[last]
-    else:
-        scene[last] = value
-    return scene
-
-
 def danckwerts(Pe: float, Da: float) -> dict[str, Any]:
     """First order with dispersion: Pe = u L/(eps D), Da = eps k L/u."""
     scene = isothermal("A:1", species(A=0.028, B=0.028))
@@ -327,20 +315,25 @@ def looping() -> dict[str, Any]:
     scene["solids"]["particles"] |= solids()
     k = 1e-3 / MOLAR
     at = {"E": 0.0, "basis": "bed"}
-    scene["reactions"] = {
-        "reduction": {
-            "equation": "A + S -> B + P",
-            "A": k,
-            "orders": {"A": 1.0, "S": 1.0},
-            **at,
+    scene["reactions"] = scene_of(
+        """
+
+        """,
+        {
+            "reduction": {
+                "equation": "A + S -> B + P",
+                "A": k,
+                "orders": {"A": 1.0, "S": 1.0},
+                **at,
+            },
+            "oxidation": {
+                "equation": "O + P -> I + S",
+                "A": 2.0 * k,
+                "orders": {"O": 1.0, "P": 1.0},
+                **at,
+            },
         },
-        "oxidation": {
-            "equation": "O + P -> I + S",
-            "A": 2.0 * k,
-            "orders": {"O": 1.0, "P": 1.0},
-            **at,
-        },
-    }
+    )
     scene["boundary"]["left"]["gas"]["composition"] = switched(["A:1", "O:1"], 600.0)
     set_keys(
         scene,

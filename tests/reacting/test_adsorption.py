@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from adsorption_scenes import SPEED, TRACE, adsorber, constant_pattern
-from reacting_bed_scenes import P, T, let_move, put
+from reacting_bed_scenes import P, T, let_move
 
 import contbed
 from contbed.loading import from_dict
@@ -16,7 +16,7 @@ from contbed.reacting_bed.plan import plan
 from tests.balances import assert_closed
 from tests.cases import each_case
 from tests.refusals import refused
-from tests.scene_text import set_keys
+from tests.scene_text import changed, set_keys
 
 CLOSED = 1e-12
 K = 200.0  # per volume of particles over per volume of gas
@@ -210,8 +210,7 @@ def test_mistakes(said, changes, without):
     scene, _ = adsorber(K, 20.0, 1.0)
     set_keys(scene, "time.end = 1.0")
     set_keys(scene, "gas.species.A2 = { elements = { C = 1.0 }, molar_mass = 0.044 }")
-    for key, value in (changes | dict.fromkeys(without)).items():
-        put(scene, key, value)
+    scene = changed(scene, changes, without)
     refused(said, lambda: plan(from_dict(scene)))
 
 

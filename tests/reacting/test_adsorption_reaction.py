@@ -18,7 +18,7 @@ from contbed.reacting_bed.plan import plan
 from tests.balances import assert_closed
 from tests.cases import each_case
 from tests.refusals import refused
-from tests.scene_text import set_keys
+from tests.scene_text import scene_of, set_keys
 
 K = 200.0  # held per volume of particles over the concentration around them
 UNITS = 5.0
@@ -207,11 +207,22 @@ def test_a_product_that_is_adsorbed_shifts_the_equilibrium():
     """
     scene, unit = reacting(1.0, 20.0, "film")
     scene["gas"]["composition"] = "A:1"
-    scene["gas"]["species"] = {
-        "A": {"elements": {"C": 2.0}, "molar_mass": 0.044, "entropy": 0.0},
-        "B": {"elements": {"C": 1.0}, "molar_mass": 0.022, "entropy": 0.0},
-        "C": {"elements": {"C": 1.0}, "molar_mass": 0.022, "entropy": 0.0},
-    }
+    scene["gas"]["species"] = scene_of("""
+        [A]
+        elements = { C = 2.0 }
+        molar_mass = 0.044
+        entropy = 0.0
+
+        [B]
+        elements = { C = 1.0 }
+        molar_mass = 0.022
+        entropy = 0.0
+
+        [C]
+        elements = { C = 1.0 }
+        molar_mass = 0.022
+        entropy = 0.0
+    """)
     for data in scene["gas"]["species"].values():
         data |= {"heat_capacity": 30.0, "enthalpy": 0.0}
     scene["gas"]["species"]["A"]["entropy"] = -8.31446261815324 * np.log(0.05)

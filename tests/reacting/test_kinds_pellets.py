@@ -8,7 +8,6 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import put
 from several_solids import SHARES, split_pellets
 from solving import solved
 from test_pellets import D_A, REFORMER, R, left, pellets
@@ -19,7 +18,7 @@ from contbed.reacting_bed.plan import plan
 from tests.cases import each_case
 from tests.particle.tables import sphere
 from tests.refusals import refused
-from tests.scene_text import set_keys
+from tests.scene_text import changed, set_keys
 
 # of two solutions of the same equations, whose Newton's methods end at 1e-10
 ROUNDING = 1e-9
@@ -139,7 +138,5 @@ def test_auto_judges_all_kinds(phi, level):
 
 @each_case(__file__, "mistakes")
 def test_mistakes(said, changes, without):
-    scene = deepcopy(split_pellets(pellets(1.0)[0]))
-    for key, value in (changes | dict.fromkeys(without)).items():
-        put(scene, key, value)
+    scene = changed(split_pellets(pellets(1.0)[0]), changes, without)
     refused(said, from_dict, scene)

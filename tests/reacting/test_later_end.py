@@ -12,6 +12,7 @@ from reacting_bed_scenes import fixed_bed
 import contbed as cb
 from contbed.loading import from_dict
 from tests.restarts import same_run
+from tests.scene_text import scene_of
 from tests.verification.test_dense_series import SCENES, bed
 
 ADSORBER, UNIT = adsorber(100.0, 10.0, 3.0)
@@ -21,10 +22,14 @@ CORES = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
 CORES["mesh"]["cells"] = 10
 CORES["time"] = {"end": 800.0, "times": [50.0, 300.0]}
 STORE = bed()
-STORE["boundary"]["left"]["gas"] = {
-    "velocity": {"times": [0.0, 2222.0, 3333.0], "values": [0.3, 0.0, 0.2]},
-    "temperature": {"times": [0.0, 2222.0], "values": [400.0, 350.0], "form": "step"},
-}
+STORE["boundary"]["left"]["gas"] = scene_of("""
+    velocity = { times = [0.0, 2222.0, 3333.0], values = [0.3, 0.0, 0.2] }
+
+    [temperature]
+    times = [0.0, 2222.0]
+    values = [400.0, 350.0]
+    form = "step"
+""")
 STEPS = copy.deepcopy(STORE)
 del STEPS["time"]["tolerance"]
 STEPS["time"] |= {"step": 70.0}

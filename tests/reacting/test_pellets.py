@@ -94,15 +94,25 @@ def test_thiele_where_a_reaction_runs_back():
     assert rates[1] / rates[0] == pytest.approx(sphere(phi / np.sqrt(K)), rel=1e-12)
 
 
-REFORMER = {
-    "mesh": {"type": "line", "length": 1.0},
-    "gas": {
-        "model": "cantera",
-        "composition": "CH4:0.2, H2O:0.6, H2:0.12, CO:0.02, CO2:0.06",
-        "pressure": "20 bar",
-        "viscosity": 3e-5,
-    },
-    "solids": scene_of("""
+REFORMER = scene_of(
+    """
+        mesh = { type = "line", length = 1.0 }
+        packed_bed = { porosity = 0.5, pressure_drop = "none" }
+        closures = {}
+        heat = {}
+        output = { plots = false }
+
+        [gas]
+        model = "cantera"
+        composition = "CH4:0.2, H2O:0.6, H2:0.12, CO:0.02, CO2:0.06"
+        pressure = "20 bar"
+        viscosity = 3e-5
+
+        [boundary]
+        left = { gas = { mass_flux = 5.0, temperature = 900.0 } }
+    """,
+    {
+        "solids": scene_of("""
         [particles]
         diameter = 8e-3
         density = 2700.0
@@ -113,15 +123,12 @@ REFORMER = {
         inside.diffusivity.CO = 2e-6
         inside.diffusivity.CO2 = 1.5e-6
     """),
-    "packed_bed": {"porosity": 0.5, "pressure_drop": "none"},
-    "closures": {},
-    "heat": {},
-    "reactions": {
-        name: {"law": f"xu_froment_{name}"} for name in ("reforming", "shift", "total")
+        "reactions": {
+            name: {"law": f"xu_froment_{name}"}
+            for name in ("reforming", "shift", "total")
+        },
     },
-    "boundary": {"left": {"gas": {"mass_flux": 5.0, "temperature": 900.0}}},
-    "output": {"plots": False},
-}
+)
 
 
 def test_derivatives_of_mean_rates():

@@ -13,7 +13,6 @@ from reacting_bed_scenes import (
     fixed_bed,
     heated,
     isothermal,
-    put,
     schumann,
     species,
     table,
@@ -31,7 +30,7 @@ from contbed.reacting_bed.stages import GAMMA, stages
 from tests.balances import assert_closed
 from tests.cases import each_case
 from tests.refusals import refused
-from tests.scene_text import set_keys
+from tests.scene_text import changed, scene_of, set_keys
 
 CLOSED = 1e-12
 RESIDENCE = 0.8  # [s] of the gas in `danckwerts`: 0.4 of 1 m at 0.5 m/s
@@ -136,11 +135,23 @@ def test_order_two_in_time_with_inlets_that_change(rings):
         "heat_capacity": cp,
         "enthalpy": -2e4,
     }
-    scene["boundary"]["left"]["gas"] = {
-        "mass_flux": {"times": [0.0, end], "values": [0.4, 0.6]},
-        "temperature": {"times": [0.0, end], "values": [300.0, 400.0]},
-        "composition": {"times": [0.0, end], "values": ["A:0.2, B:0.8", "A:1"]},
-    }
+    scene["boundary"]["left"]["gas"] = scene_of(
+        """
+            [mass_flux]
+            values = [0.4, 0.6]
+
+            [temperature]
+            values = [300.0, 400.0]
+
+            [composition]
+            values = ["A:0.2, B:0.8", "A:1"]
+        """,
+        {
+            "mass_flux.times": [0.0, end],
+            "temperature.times": [0.0, end],
+            "composition.times": [0.0, end],
+        },
+    )
     set_keys(
         scene,
         """
@@ -243,8 +254,7 @@ def test_the_plan_chooses_by_the_residence():
 
 @each_case(__file__, "mistakes_in_what_fills_the_bed")
 def test_mistakes_in_what_fills_the_bed(key, value, said):
-    scene = dispersed(20.0, 0.0)
-    put(scene, key, value)
+    scene = changed(dispersed(20.0, 0.0), {key: value})
     refused(said, lambda: plan(from_dict(scene)))
 
 

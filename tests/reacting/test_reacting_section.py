@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from adsorption_scenes import TRACE, adsorber
 from manufactured_section import error, solution
-from reacting_bed_scenes import R_GAS, P, T, isothermal, let_move, put
+from reacting_bed_scenes import R_GAS, P, T, isothermal, let_move
 from scipy.optimize import brentq
 from scipy.special import j0, j1
 from solving import solved
@@ -21,7 +21,7 @@ from contbed.reacting_bed.radial_need import across
 from contbed.reacting_bed.solve import Report, march
 from tests.cases import each_case
 from tests.refusals import refused
-from tests.scene_text import set_keys
+from tests.scene_text import changed, set_keys
 
 CP, U, RADIUS, T_WALL, K = 30.0, 0.5, 0.05, 800.0, 2.0
 POROSITY, DENSITY, C_SOLID = 0.4, 2000.0, 1000.0
@@ -542,7 +542,4 @@ def test_plan_tells_whether_one_dimension_is_enough():
 
 @each_case(__file__, "mistakes")
 def test_mistakes(said, changes, without):
-    scene = heated(4)
-    for key, value in (changes | dict.fromkeys(without)).items():
-        put(scene, key, value)
-    refused(said, from_dict, scene)
+    refused(said, from_dict, changed(heated(4), changes, without))

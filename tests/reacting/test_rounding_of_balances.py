@@ -13,7 +13,7 @@ from solving import CLOSED
 
 import contbed
 from contbed.loading import from_dict
-from tests.scene_text import set_keys
+from tests.scene_text import scene_of, set_keys
 
 # J/mol/K, J/mol
 GASES = {"H2": (29.0, 0.0), "H2O": (36.0, -241.8e3), "N2": (30.0, 0.0)}
@@ -52,47 +52,48 @@ def bed(length, cells, mass_flux, hottest, oxide, fast):
         "form": "linear",
     }
     warmer = {"times": [0.0, 200.0], "values": [900.0, hottest]}
-    return {
-        "mesh": {"type": "line", "length": length, "cells": cells},
-        "gas": {
-            "model": "ideal_gas",
-            "pressure": 1.5e5,
-            "viscosity": 4e-5,
-            "conductivity": 0.2,
-            "diffusivity": 4e-4,
-        }
-        | {"species": gas},
-        "packed_bed": {
-            "porosity": 0.42,
-            "pressure_drop": "ergun",
-            "gas_storage": "quasi_steady",
-        },
-        "solids": {"coarse": kind(0.34, 6e-3, oxide), "fine": kind(0.66, 2e-3, oxide)},
-        "boundary": {
-            "left": {
-                "gas": {
-                    "mass_flux": mass_flux,
-                    "temperature": warmer,
-                    "composition": composition,
-                }
+    return scene_of(
+        """
+            heat = {}
+            closures = { nusselt = "gunn", sherwood = "wakao_funazkri" }
+            time = { end = 200.0, tolerance = 1e-2 }
+            initial = { temperature = 800.0 }
+            output = { plots = false }
+            solver = { balance_tolerance = 1.0 }
+
+            [mesh]
+            type = "line"
+
+            [packed_bed]
+            porosity = 0.42
+            pressure_drop = "ergun"
+            gas_storage = "quasi_steady"
+
+            [reactions.r]
+            equation = "FeO + H2 -> Fe + H2O"
+            law = "shrinking_core"
+            E = 6e4
+            diffusivity = 4e-6
+        """,
+        {
+            "mesh.length": length,
+            "mesh.cells": cells,
+            "gas": {
+                "model": "ideal_gas",
+                "pressure": 1.5e5,
+                "viscosity": 4e-5,
+                "conductivity": 0.2,
+                "diffusivity": 4e-4,
             }
+            | {"species": gas},
+            "solids.coarse": kind(0.34, 6e-3, oxide),
+            "solids.fine": kind(0.66, 2e-3, oxide),
+            "boundary.left.gas.mass_flux": mass_flux,
+            "boundary.left.gas.temperature": warmer,
+            "boundary.left.gas.composition": composition,
+            "reactions.r.A": fast,
         },
-        "heat": {},
-        "closures": {"nusselt": "gunn", "sherwood": "wakao_funazkri"},
-        "reactions": {
-            "r": {
-                "equation": "FeO + H2 -> Fe + H2O",
-                "law": "shrinking_core",
-                "A": fast,
-                "E": 6e4,
-                "diffusivity": 4e-6,
-            }
-        },
-        "time": {"end": 200.0, "tolerance": 1e-2},
-        "initial": {"temperature": 800.0},
-        "output": {"plots": False},
-        "solver": {"balance_tolerance": 1.0},
-    }
+    )
 
 
 @pytest.mark.parametrize(

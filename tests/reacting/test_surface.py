@@ -20,7 +20,7 @@ from tests.balances import assert_closed
 from tests.cases import each_case
 from tests.particle.tables import sphere
 from tests.refusals import problems_of, refusal
-from tests.scene_text import scene_of
+from tests.scene_text import put, scene_of
 
 DATA = Path(__file__).parents[1] / "data"
 OWN = DATA / "surface.yaml"
@@ -305,13 +305,7 @@ def test_the_plan_says_that_coverages_are_steady():
 @each_case(__file__, "refused")
 def test_refused(key, value, text):
     scene = bed("ptcombust.yaml", 1000.0, "H2:0.03, O2:0.1, N2:0.87")
-    *above, last = key.split(".")
-    table = scene
-    for name in above:
-        table = table[name]
-    table[last] = value
-    if value is None:
-        del table[last]
+    put(scene, key, value)
     found = " ".join(problems_of(lambda: plan(from_dict(scene))))
     assert text in found
 

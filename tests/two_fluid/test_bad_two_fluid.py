@@ -5,13 +5,12 @@ built.
 import meshio
 import numpy as np
 import pytest
-from changed_scenes import changed
 
 from contbed.loading import from_dict
 from contbed.models import plan
 from tests.cases import each_case
 from tests.refusals import refusal, refused
-from tests.scene_text import scene_of
+from tests.scene_text import changed, scene_of
 
 GOOD = scene_of(
     """
@@ -166,12 +165,12 @@ def test_rings_are_compared_by_their_area():
 def test_an_axisymmetric_mesh_without_its_axis(tmp_path, inner, told):
     x = [inner, 0.5, 1.0]
     points = np.array([[a, b] for b in (0.0, 1.0) for a in x])
-    lines = {
-        "bottom": [[0, 1], [1, 2]],
-        "top": [[3, 4], [4, 5]],
-        "inner": [[0, 3]],
-        "outer": [[2, 5]],
-    }
+    lines = scene_of("""
+        bottom = [[0, 1], [1, 2]]
+        top = [[3, 4], [4, 5]]
+        inner = [[0, 3]]
+        outer = [[2, 5]]
+    """)
     data = {"gmsh:physical": [], "gmsh:geometrical": []}
     cells, tags = [], {}
     for tag, (name, pairs) in enumerate(lines.items(), 1):

@@ -29,7 +29,7 @@ from contbed.two_fluid.plan import plan
 from contbed.two_fluid.rheology import Closures, Rheology
 from tests.cases import each_case
 from tests.refusals import refusal, refused
-from tests.scene_text import set_keys
+from tests.scene_text import scene_of, set_keys
 
 SEED = {"rho_s": 2550.0, "d_p": 150e-6, "rho": 1.2, "mu": 1.8e-5}
 TAGHIPOUR = {"rho_s": 2500.0, "d_p": 275e-6, "rho": 1.225, "mu": 1.7894e-5}
@@ -424,30 +424,31 @@ FILTERED_STRESS = {
 
 def filtered_scene(theta, two_fluid=None, **closures):
     sides = ["left", "right", "bottom", "top"]
-    return {
-        "mesh": PLANE,
-        "two_fluid": {"granular_temperature": "frozen"} | (two_fluid or {}),
-        "closures": {"drag": "milioli", **FILTERED_STRESS, **closures},
-        "gas": {"density": 1.2, "viscosity": 1.8e-5},
-        "solids": {
-            "beads": {
-                "diameter": 75e-6,
-                "density": 1500.0,
-                "restitution": 0.9,
-                "packing_limit": 0.6,
-            }
+    return scene_of(
+        """
+            gas = { density = 1.2, viscosity = 1.8e-5 }
+            time = { end = 0.1 }
+
+            [solids.beads]
+            diameter = 75e-6
+            density = 1500.0
+            restitution = 0.9
+            packing_limit = 0.6
+
+            [initial.solids.beads]
+            volume_fraction = 0.05
+        """,
+        {
+            "mesh": PLANE,
+            "two_fluid": {"granular_temperature": "frozen"} | (two_fluid or {}),
+            "closures": {"drag": "milioli", **FILTERED_STRESS, **closures},
+            "initial.solids.beads.granular_temperature": theta,
+            "boundary": {
+                side: {"type": "wall", "solids": {"beads": {"wall": "slip"}}}
+                for side in sides
+            },
         },
-        "initial": {
-            "solids": {
-                "beads": {"volume_fraction": 0.05, "granular_temperature": theta}
-            }
-        },
-        "boundary": {
-            side: {"type": "wall", "solids": {"beads": {"wall": "slip"}}}
-            for side in sides
-        },
-        "time": {"end": 0.1},
-    }
+    )
 
 
 @pytest.mark.slow
@@ -510,26 +511,28 @@ def test_filter_is_two_cells_wide(mesh, size):
     sides = ["left", "right", "bottom", "top"] + (
         ["front", "back"] if mesh["type"] == "box" else []
     )
-    scene = {
-        "model": "two_fluid",
-        "mesh": mesh,
-        "closures": {"drag": "igci"},
-        "gas": {"density": 1.2, "viscosity": 1.8e-5},
-        "solids": {
-            "beads": {
-                "diameter": 75e-6,
-                "density": 1500.0,
-                "restitution": 0.9,
-                "packing_limit": 0.6,
-            }
+    scene = scene_of(
+        """
+            model = "two_fluid"
+            closures = { drag = "igci" }
+            gas = { density = 1.2, viscosity = 1.8e-5 }
+            initial = { solids = { beads = { volume_fraction = 0.05 } } }
+            time = { end = 0.1 }
+
+            [solids.beads]
+            diameter = 75e-6
+            density = 1500.0
+            restitution = 0.9
+            packing_limit = 0.6
+        """,
+        {
+            "mesh": mesh,
+            "boundary": {
+                side: {"type": "wall", "solids": {"beads": {"wall": "slip"}}}
+                for side in sides
+            },
         },
-        "initial": {"solids": {"beads": {"volume_fraction": 0.05}}},
-        "boundary": {
-            side: {"type": "wall", "solids": {"beads": {"wall": "slip"}}}
-            for side in sides
-        },
-        "time": {"end": 0.1},
-    }
+    )
     settling = GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)
     found = bound(from_dict(scene))["drag"].parameters["filter_froude"]
     assert found == pytest.approx(2.0 * size * GRAVITY / settling**2, rel=1e-12)

@@ -6,13 +6,12 @@ import subprocess
 import sys
 
 import pytest
-from changed_scenes import changed
 
 from contbed.loading import from_dict
 from contbed.materials import gas_mixture
 from tests.cases import each_case
 from tests.refusals import refusal
-from tests.scene_text import scene_of
+from tests.scene_text import changed, scene_of
 
 BED = scene_of(
     """

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from changed_scenes import changed
 from core_closures import bed, closures, line, rectangle
 from scipy.linalg import expm
 
@@ -30,7 +29,7 @@ from tests.balances import assert_closed
 from tests.cases import each_case
 from tests.refusals import refusal, refused
 from tests.restarts import interrupt, same_run
-from tests.scene_text import scene_of
+from tests.scene_text import changed, scene_of
 
 SLIP = symmetry()
 CP_GAS, CP_SOLID = 1000.0, 800.0

@@ -14,24 +14,34 @@ from contbed.two_fluid import plausibility
 from contbed.two_fluid import results as findings
 from contbed.two_fluid import run as study
 from contbed.two_fluid.averages import Averages
+from tests.scene_text import scene_of
 
 STUDIES = Path(__file__).parents[2] / "studies"
 WALLS = {name: {"type": "wall"} for name in ("left", "right", "bottom", "top")}
-BED = {
-    "mesh": {"type": "rectangle", "length": 0.1, "height": 0.4, "cells": [4, 16]},
-    "two_fluid": {},
-    "gas": {"density": 1.2, "viscosity": 1.8e-5},
-    "solids": {"beads": {"diameter": 275e-6, "density": 2500.0}},
-    "initial": {
-        "layer": [{"end": 0.2, "solids": {"beads": {"volume_fraction": 0.58}}}]
+BED = scene_of(
+    """
+        two_fluid = {}
+        gas = { density = 1.2, viscosity = 1.8e-5 }
+        solids = { beads = { diameter = 275e-6, density = 2500.0 } }
+        time = { end = 0.02 }
+
+        [mesh]
+        type = "rectangle"
+        length = 0.1
+        height = 0.4
+        cells = [4, 16]
+
+        [initial]
+        layer = [{ end = 0.2, solids = { beads = { volume_fraction = 0.58 } } }]
+    """,
+    {
+        "boundary": WALLS
+        | {
+            "bottom": {"type": "inlet", "gas": {"velocity": 0.3}},
+            "top": {"type": "outlet"},
+        }
     },
-    "boundary": WALLS
-    | {
-        "bottom": {"type": "inlet", "gas": {"velocity": 0.3}},
-        "top": {"type": "outlet"},
-    },
-    "time": {"end": 0.02},
-}
+)
 HEAT = {
     "heat": {},
     "gas": BED["gas"] | {"heat_capacity": 1000.0, "conductivity": 0.025},
@@ -252,13 +262,20 @@ def test_particles_fall_during_the_whole_run_through_periodic_ends():
     """In a periodic cell of 1 cm free fall of 0.5 s gives 4.9 m/s, and no error."""
     ends = {"bottom": {"type": "periodic", "partner": "top"}}
     sides = {name: {"type": "symmetry"} for name in ("left", "right")}
-    bed = BED | {
-        "mesh": {"type": "rectangle", "length": 0.01, "height": 0.01, "cells": [2, 2]},
-        "boundary": ends | sides,
-        "closures": {"drag": "none"},
-        "initial": {"solids": {"beads": {"volume_fraction": 0.2}}},
-        "time": {"end": 0.5},
-    }
+    bed = BED | scene_of(
+        """
+            closures = { drag = "none" }
+            initial = { solids = { beads = { volume_fraction = 0.2 } } }
+            time = { end = 0.5 }
+
+            [mesh]
+            type = "rectangle"
+            length = 0.01
+            height = 0.01
+            cells = [2, 2]
+        """,
+        {"boundary": ends | sides},
+    )
     result = cb.run(from_dict(bed))
     fastest = result.profiles["u_solid_max [m/s]"][-1]
     assert fastest == pytest.approx(0.5 * 9.81, rel=1e-3)

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from changed_scenes import changed
 from core_closures import bed, closures, line, rectangle, shaken
 
 import contbed as cb
@@ -22,7 +21,7 @@ from contbed.two_fluid.fv import grid
 from contbed.two_fluid.linear.pressure_solver import PressureSolver
 from contbed.two_fluid.simulation import Simulation
 from contbed.two_fluid.state import flatten, rebuild
-from tests.scene_text import scene_of
+from tests.scene_text import changed, scene_of
 
 HOT_BUBBLE = (
     Path(__file__).parents[2]

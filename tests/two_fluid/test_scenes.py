@@ -16,6 +16,7 @@ from contbed.two_fluid.averages import spectrum
 from tests.balances import assert_closed
 from tests.refusals import refused
 from tests.restarts import interrupt, same_run
+from tests.scene_text import scene_of
 
 STUDY = Path(__file__).parents[2] / "studies" / "two_fluid_checks"
 
@@ -171,25 +172,28 @@ def test_a_bed_at_rest_stays_in_a_closed_box():
     """
     scene = cb.load(
         MODELS["two_fluid"].template,
-        {
-            "mesh": {
-                "type": "rectangle",
-                "length": 0.02,
-                "height": 0.06,
-                "cells": [4, 12],
+        scene_of(
+            """
+                time = { end = 0.2, sample = 0.05 }
+                output = { plots = false, fields = false }
+
+                [mesh]
+                type = "rectangle"
+                length = 0.02
+                height = 0.06
+                cells = [4, 12]
+
+                [initial]
+                solids = { beads = { granular_temperature = 1e-4 } }
+                layer = [{ end = 0.024, solids = { beads = { volume_fraction = 0.58 } } }]
+            """,
+            {
+                "boundary": {
+                    name: {"type": "wall"}
+                    for name in ("left", "right", "bottom", "top")
+                }
             },
-            "initial": {
-                "solids": {"beads": {"granular_temperature": 1e-4}},
-                "layer": [
-                    {"end": 0.024, "solids": {"beads": {"volume_fraction": 0.58}}}
-                ],
-            },
-            "boundary": {
-                name: {"type": "wall"} for name in ("left", "right", "bottom", "top")
-            },
-            "time": {"end": 0.2, "sample": 0.05},
-            "output": {"plots": False, "fields": False},
-        },
+        ),
     )
     result = cb.run(scene)
     # the surface is spread over one cell of 5 mm, which lifts the centre by 0.3 mm

@@ -37,31 +37,32 @@ def build(
     **time,
 ):
     """A small bed, on a `mesh` or a rectangle."""
-    scene = {
-        "mesh": mesh
-        or {
-            "type": "rectangle",
-            "length": 0.1,
-            "height": 0.3,
-            "cells": cells,
-            "shape": shape,
+    scene = scene_of(
+        """
+            [boundary]
+            top = { type = "outlet" }
+        """,
+        {
+            "mesh": mesh
+            or {
+                "type": "rectangle",
+                "length": 0.1,
+                "height": 0.3,
+                "cells": cells,
+                "shape": shape,
+            },
+            "two_fluid": two_fluid or {},
+            "gas": gas or {"density": 1.2, "viscosity": 1.8e-5},
+            "closures": closures or {},
+            "solids.beads": {"diameter": 275e-6, "density": 2500.0}
+            | (solids or {}).get("beads", {}),
+            "initial": initial or {},
+            "boundary.bottom": bottom or WALL,
+            "boundary.left": WALL,
+            "boundary.right": WALL,
+            "time": {"end": 1.0} | time,
         },
-        "two_fluid": two_fluid or {},
-        "gas": gas or {"density": 1.2, "viscosity": 1.8e-5},
-        "closures": closures or {},
-        "solids": {
-            "beads": {"diameter": 275e-6, "density": 2500.0}
-            | (solids or {}).get("beads", {})
-        },
-        "initial": initial or {},
-        "boundary": {
-            "bottom": bottom or WALL,
-            "top": {"type": "outlet"},
-            "left": WALL,
-            "right": WALL,
-        },
-        "time": {"end": 1.0} | time,
-    }
+    )
     return planning.plan(from_dict(scene, trust=True)).bed()[0]
 
 

@@ -22,7 +22,7 @@ from contbed.two_fluid.model import Options
 from tests.cases import each_case
 from tests.refusals import refused
 from tests.restarts import interrupt, same_run
-from tests.scene_text import scene_of
+from tests.scene_text import changed, scene_of
 
 SLIP = symmetry()
 CP_GAS, CP_SOLID, RHO_GAS, RHO_SOLID, EPS_S = 1000.0, 800.0, 1.2, 2500.0, 0.5
@@ -253,14 +253,8 @@ def in_scene(cells=10, **changes):
     """Named results of the scene of a hot wall with some keys changed, by dotted
     names.
     """
-    made = scene(cells)
-    for path, value in changes.items():
-        *way, last = path.split("__")
-        table = made
-        for name in way:
-            table = table.setdefault(name, {})
-        table[last] = value
-    return made
+    keys = {path.replace("__", "."): value for path, value in changes.items()}
+    return changed(scene(cells), keys)
 
 
 def test_results_of_a_wall():

@@ -164,13 +164,13 @@ def test_a_jump_of_prescribed_temperatures_has_a_weight():
     """Where unlike temperatures meet, errors count by the distance; elsewhere in
     full.
     """
-    walls = {
-        "left": {
-            "gas": {"velocity": 0.05, "temperature": 300.0},
-            "solids": {"particles": {"fixed_temperature": 300.0}},
-        },
-        "bottom": {"solids": {"particles": {"fixed_temperature": 500.0}}},
-    }
+    walls = scene_of("""
+        bottom = { solids = { particles = { fixed_temperature = 500.0 } } }
+
+        [left]
+        gas = { velocity = 0.05, temperature = 300.0 }
+        solids = { particles = { fixed_temperature = 300.0 } }
+    """)
     made = plan(plane(boundary=walls))
     corners = accuracy._corners(
         made, partial(unlike_temperatures, made.solved.boundary, "solid")
@@ -190,13 +190,14 @@ def test_a_corner_of_unlike_temperatures_is_told():
     hundred times smaller.
     """
     solid = {"fixed_temperature": 500.0}
-    unlike = {
-        "left": {
-            "gas": {"velocity": 0.05, "temperature": 300.0},
-            "solids": {"particles": {"fixed_temperature": 300.0}},
-        },
-        "bottom": {"solids": {"particles": solid}},
-    }
+    unlike = scene_of(
+        """
+            [left]
+            gas = { velocity = 0.05, temperature = 300.0 }
+            solids = { particles = { fixed_temperature = 300.0 } }
+        """,
+        {"bottom.solids.particles": solid},
+    )
     text = "\n".join(plane(boundary=unlike).warnings)
     assert (
         "boundary.bottom.solids.particles.fixed_temperature = 500.0: 500 K meets 300 K of boundary.left in a "
@@ -209,11 +210,13 @@ def test_a_corner_of_unlike_temperatures_is_told():
             "solids": {"particles": solid},
         }
     }
-    across = {
-        "left": {"gas": {"velocity": 0.05, "temperature": 300.0}},
-        "top": {"solids": {"particles": {"fixed_temperature": 300.0}}},
-        "bottom": {"solids": {"particles": solid}},
-    }
+    across = scene_of(
+        """
+            left = { gas = { velocity = 0.05, temperature = 300.0 } }
+            top = { solids = { particles = { fixed_temperature = 300.0 } } }
+        """,
+        {"bottom.solids.particles": solid},
+    )
     insulated = {"nusselt": 1.0, "conductivity_solids": 0.0}
     for bed in (
         plane(boundary=same),

@@ -17,6 +17,7 @@ from contbed.fem.probe import Probe
 from contbed.loading import from_dict
 from studies._exact.finite_length import finite_length
 from tests.balances import assert_closed
+from tests.scene_text import scene_of
 
 CLOSED, EQUAL = 1e-10, 1e-9
 
@@ -28,15 +29,21 @@ FLUID = {
 }
 SOLID = {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 2.0}
 WARM = {"density": 2000.0, "heat_capacity": [600.0, 0.6], "conductivity": [1.0, 2e-3]}
-MESHES: dict[str, dict[str, Any]] = {
-    "line": {"type": "line", "length": 1.0, "cells": 12},
-    "rectangle": {"type": "rectangle", "length": 1.0, "height": 0.4, "cells": [8, 4]},
-    "triangles": {"type": "rectangle", "length": 1.0, "height": 0.4, "cells": [8, 4], "shape": "triangle"},
-    "axisymmetric": {"type": "axisymmetric", "length": 1.0, "radius": 0.3, "cells": [4, 8]},
-    "box": {"type": "box", "length": 1.0, "width": 0.4, "height": 0.3, "cells": [4, 2, 2]},
-    "tetrahedra": {"type": "box", "length": 1.0, "width": 0.4, "height": 0.3, "cells": [3, 2, 2],
-                   "shape": "tetrahedron"},
-}  # fmt: skip
+MESHES: dict[str, dict[str, Any]] = scene_of("""
+    line = { type = "line", length = 1.0, cells = 12 }
+    rectangle = { type = "rectangle", length = 1.0, height = 0.4, cells = [8, 4] }
+    triangles = { type = "rectangle", length = 1.0, height = 0.4, cells = [8, 4], shape = "triangle" }
+    axisymmetric = { type = "axisymmetric", length = 1.0, radius = 0.3, cells = [4, 8] }
+    box = { type = "box", length = 1.0, width = 0.4, height = 0.3, cells = [4, 2, 2] }
+
+    [tetrahedra]
+    type = "box"
+    length = 1.0
+    width = 0.4
+    height = 0.3
+    cells = [3, 2, 2]
+    shape = "tetrahedron"
+""")
 FIXED = {"fixed_temperature": 400.0}
 INFLOW = {"temperature": 400.0}
 FLUX = {"heat_flux": 500.0}
@@ -73,16 +80,22 @@ def scene(
         for name in walls(mesh):
             if wall is not None:
                 boundary[name] = {"solids": {"particles": wall}}
-    return {
-        "mesh": MESHES[mesh],
-        "gas": FLUID,
-        "solids": {"particles": {**solid, "diameter": 0.02}},
-        "packed_bed": {"porosity": 0.4},
-        "closures": {"nusselt": 5.0},
-        "heat": {},
-        "boundary": moving(MESHES[mesh], boundary, velocity, velocity_solid),
-        **tables,
-    }
+    return (
+        scene_of(
+            """
+                packed_bed = { porosity = 0.4 }
+                closures = { nusselt = 5.0 }
+                heat = {}
+            """,
+            {
+                "mesh": MESHES[mesh],
+                "gas": FLUID,
+                "solids.particles": {**solid, "diameter": 0.02},
+                "boundary": moving(MESHES[mesh], boundary, velocity, velocity_solid),
+            },
+        )
+        | tables
+    )
 
 
 def run(values: dict[str, Any]) -> Any:

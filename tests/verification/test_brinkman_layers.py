@@ -9,6 +9,7 @@ import pytest
 
 import contbed as cb
 from contbed.loading import from_dict
+from tests.scene_text import scene_of
 
 H, U, K, EPS = 0.02, 0.5, 1e-6, 0.4
 
@@ -18,19 +19,26 @@ def channel(**mesh):
     inertia.
     """
     return from_dict(
-        {
-            "mesh": {"type": "rectangle", "length": 0.1, "height": H} | mesh,
-            "gas": {"density": 1e-6, "viscosity": 1.8e-5},
-            "solids": {"particles": {"diameter": 0.005}},
-            "packed_bed": {"porosity": EPS},
-            "boundary": {
-                "bottom": {"type": "no_slip"},
-                "top": {"type": "no_slip"},
-                "left": {"gas": {"velocity": U}},
+        scene_of(
+            """
+                gas = { density = 1e-6, viscosity = 1.8e-5 }
+                solids = { particles = { diameter = 0.005 } }
+                output = { plots = false, fields = false }
+
+                [boundary]
+                bottom = { type = "no_slip" }
+                top = { type = "no_slip" }
+
+                [closures]
+                forchheimer = 0.0
+            """,
+            {
+                "mesh": {"type": "rectangle", "length": 0.1, "height": H} | mesh,
+                "packed_bed.porosity": EPS,
+                "boundary.left.gas.velocity": U,
+                "closures.permeability": K,
             },
-            "output": {"plots": False, "fields": False},
-            "closures": {"permeability": K, "forchheimer": 0.0},
-        }
+        )
     )
 
 

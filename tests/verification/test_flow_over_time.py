@@ -16,6 +16,7 @@ from contbed.output.progress import Progress
 from contbed.packed_bed import local_flow
 from tests.balances import assert_closed
 from tests.restarts import interrupt, same_run
+from tests.scene_text import scene_of
 
 
 def cooling(end, **more):
@@ -23,41 +24,43 @@ def cooling(end, **more):
     seconds.
     """
     return from_dict(
-        {
-            "mesh": {
-                "type": "rectangle",
-                "length": 0.3,
-                "height": 0.06,
-                "cells": [6, 2],
+        scene_of(
+            """
+                packed_bed = { porosity = 0.4 }
+                closures = { nusselt = 10.0 }
+                heat = {}
+                output = { plots = false, fields = false }
+
+                [mesh]
+                type = "rectangle"
+                length = 0.3
+                height = 0.06
+                cells = [6, 2]
+
+                [gas]
+                model = "cantera"
+                composition = "N2:1"
+                mechanism = "gri30.yaml"
+
+                [solids.particles]
+                density = 10.0
+                heat_capacity = 900.0
+                conductivity = 1.0
+                diameter = 5e-3
+
+                [boundary]
+                left = { gas = { velocity = 0.5, temperature = 300.0 } }
+                bottom = { type = "no_slip" }
+
+                [boundary.top]
+                type = "no_slip"
+                solids = { particles = { coefficient = 100.0, ambient = 900.0 } }
+            """,
+            {
+                "time": {"end": end} | more.pop("time", {}),
+                "initial": started(900.0, 900.0),
             },
-            "gas": {
-                "model": "cantera",
-                "composition": "N2:1",
-                "mechanism": "gri30.yaml",
-            },
-            "solids": {
-                "particles": {
-                    "density": 10.0,
-                    "heat_capacity": 900.0,
-                    "conductivity": 1.0,
-                    "diameter": 5e-3,
-                }
-            },
-            "packed_bed": {"porosity": 0.4},
-            "closures": {"nusselt": 10.0},
-            "heat": {},
-            "boundary": {
-                "left": {"gas": {"velocity": 0.5, "temperature": 300.0}},
-                "bottom": {"type": "no_slip"},
-                "top": {
-                    "type": "no_slip",
-                    "solids": {"particles": {"coefficient": 100.0, "ambient": 900.0}},
-                },
-            },
-            "time": {"end": end} | more.pop("time", {}),
-            "initial": started(900.0, 900.0),
-            "output": {"plots": False, "fields": False},
-        }
+        )
         | more
     )
 

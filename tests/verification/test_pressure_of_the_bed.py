@@ -26,7 +26,7 @@ from contbed.solvers.linear import Policy
 from contbed.solvers.newton import Options, newton
 from tests.balances import assert_closed
 from tests.refusals import refused
-from tests.scene_text import set_keys
+from tests.scene_text import scene_of, set_keys
 
 MESHES = Path(__file__).parents[2] / "meshes"
 U, EPS, D = 0.5, 0.4, 5e-3
@@ -42,26 +42,30 @@ STEAM = {"model": "cantera", "composition": "H2O:1", "mechanism": "gri30.yaml"}
 def bed(fluid, velocity=U, **more):
     """A bed of 1 m with a hot end, that a fluid crosses."""
     inlet, outlet = ("left", "right") if velocity > 0 else ("right", "left")
-    return {
-        "mesh": {"type": "line", "length": 1.0},
-        "gas": dict(fluid),
-        "solids": {
-            "particles": {
-                "density": 2000.0,
-                "heat_capacity": 900.0,
-                "conductivity": 1.0,
-                "diameter": D,
-            }
-        },
-        "packed_bed": {"porosity": EPS},
-        "closures": {"nusselt": "wakao_kaguei"},
-        "heat": {},
-        "boundary": {
-            inlet: {"gas": {"velocity": abs(velocity), "temperature": 433.0}},
-            outlet: {"solids": {"particles": {"fixed_temperature": 967.0}}},
-        },
-        **more,
-    }
+    return (
+        scene_of(
+            """
+                mesh = { type = "line", length = 1.0 }
+                closures = { nusselt = "wakao_kaguei" }
+                heat = {}
+
+                [solids.particles]
+                density = 2000.0
+                heat_capacity = 900.0
+                conductivity = 1.0
+            """,
+            {
+                "gas": dict(fluid),
+                "solids.particles.diameter": D,
+                "packed_bed.porosity": EPS,
+                "boundary": {
+                    inlet: {"gas": {"velocity": abs(velocity), "temperature": 433.0}},
+                    outlet: {"solids": {"particles": {"fixed_temperature": 967.0}}},
+                },
+            },
+        )
+        | more
+    )
 
 
 @pytest.mark.parametrize("velocity", [U, -U])

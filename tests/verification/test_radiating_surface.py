@@ -13,6 +13,7 @@ from contbed.loading import from_dict
 from tests.balances import assert_closed
 from tests.cases import each_case
 from tests.refusals import refused
+from tests.scene_text import scene_of
 
 LENGTH, K_SOLID, EPS, EMISSIVITY, HOT, COLD = 0.1, 2.0, 0.4, 0.7, 1200.0, 300.0
 MESHES = {
@@ -47,33 +48,42 @@ def scene(mesh, sides, emissivity=EMISSIVITY, **more):
     """
     low, high = sides
     fluid = {"fixed_temperature": 500.0}
-    return {
-        "mesh": mesh,
-        "gas": {
-            "density": 1.0,
-            "heat_capacity": 1000.0,
-            "conductivity": 0.05,
-            "viscosity": 2e-5,
-        },
-        "solids": {
-            "particles": {
-                "density": 2000.0,
-                "heat_capacity": 900.0,
-                "conductivity": K_SOLID,
-                "diameter": 2e-3,
-            }
-        },
-        "packed_bed": {"porosity": EPS},
-        "closures": {"nusselt": 0.0},
-        "heat": {},
-        "boundary": {
-            low: {"gas": fluid, "solids": {"particles": {"fixed_temperature": HOT}}},
-            high: {
-                "solids": {"particles": {"emissivity": emissivity, "ambient": COLD}}
+    return (
+        scene_of(
+            """
+                closures = { nusselt = 0.0 }
+                heat = {}
+
+                [gas]
+                density = 1.0
+                heat_capacity = 1000.0
+                conductivity = 0.05
+                viscosity = 2e-5
+
+                [solids.particles]
+                density = 2000.0
+                heat_capacity = 900.0
+                diameter = 2e-3
+            """,
+            {
+                "mesh": mesh,
+                "solids.particles.conductivity": K_SOLID,
+                "packed_bed.porosity": EPS,
+                "boundary": {
+                    low: {
+                        "gas": fluid,
+                        "solids": {"particles": {"fixed_temperature": HOT}},
+                    },
+                    high: {
+                        "solids": {
+                            "particles": {"emissivity": emissivity, "ambient": COLD}
+                        }
+                    },
+                },
             },
-        },
-        **more,
-    }
+        )
+        | more
+    )
 
 
 @pytest.mark.parametrize("name", MESHES)

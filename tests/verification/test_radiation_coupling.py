@@ -219,21 +219,29 @@ def test_balances_with_computed_flow(mesh):
         np.testing.assert_allclose(still.nodal[name][1], HOT, rtol=0, atol=2 * EQUAL)
 
 
-SPECIES: dict[str, dict[str, Any]] = {
-    "char": {
-        "volume_share": 1 / 6,
-        "diameter": 0.02,
-        "emissivity": 0.9,
-        "temperature": 1400.0,
+SPECIES: dict[str, dict[str, Any]] = scene_of(
+    """
+        [char]
+        diameter = 0.02
+        emissivity = 0.9
+        temperature = 1400.0
+
+        [limestone]
+        diameter = 0.03
+        emissivity = 0.6
+        temperature = 1100.0
+    """,
+    {
+        "char.volume_share": 1 / 6,
+        "limestone.volume_share": 1 / 3,
+        "particles": {
+            "volume_share": 0.5,
+            "diameter": 0.05,
+            "emissivity": 0.8,
+            **SOLID,
+        },
     },
-    "limestone": {
-        "volume_share": 1 / 3,
-        "diameter": 0.03,
-        "emissivity": 0.6,
-        "temperature": 1100.0,
-    },
-    "particles": {"volume_share": 0.5, "diameter": 0.05, "emissivity": 0.8, **SOLID},
-}
+)
 
 
 @pytest.mark.parametrize(
@@ -688,27 +696,32 @@ def species_bed(level="p1", **radiation):
     """
     kind = {"volume_share": 0.5, "diameter": "8 mm", "emissivity": 0.8}
     ore = kind | {"density": 2000.0, "heat_capacity": 800.0, "conductivity": 1.0}
-    return {
-        "mesh": {"type": "line", "length": 0.5},
-        "gas": {
-            "density": 1.0,
-            "viscosity": 2e-5,
-            "heat_capacity": 1000.0,
-            "conductivity": 0.05,
+    return scene_of(
+        """
+            mesh = { type = "line", length = 0.5 }
+            packed_bed = { porosity = 0.4 }
+            closures = { nusselt = "wakao_kaguei" }
+            heat = {}
+
+            [gas]
+            density = 1.0
+            viscosity = 2e-5
+            heat_capacity = 1000.0
+            conductivity = 0.05
+
+            [boundary]
+            left = { gas = { velocity = 0.5, temperature = 573.15 } }
+
+            [boundary.right]
+            radiation = { temperature = 1300.0 }
+            solids = { ore = { fixed_temperature = 1300.0 } }
+        """,
+        {
+            "solids.ore": ore,
+            "solids.coke": kind | {"temperature": "900 degC"},
+            "radiation": {"level": level, **radiation},
         },
-        "solids": {"ore": ore, "coke": kind | {"temperature": "900 degC"}},
-        "packed_bed": {"porosity": 0.4},
-        "closures": {"nusselt": "wakao_kaguei"},
-        "heat": {},
-        "radiation": {"level": level, **radiation},
-        "boundary": {
-            "left": {"gas": {"velocity": 0.5, "temperature": 573.15}},
-            "right": {
-                "radiation": {"temperature": 1300.0},
-                "solids": {"ore": {"fixed_temperature": 1300.0}},
-            },
-        },
-    }
+    )
 
 
 def test_heat_of_species_is_a_result():

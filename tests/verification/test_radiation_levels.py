@@ -21,7 +21,7 @@ from studies._exact.radiation import P1, TWO_FLUX, equilibrium_flux, isothermal_
 from tests.balances import assert_closed
 from tests.cases import each_case
 from tests.refusals import refused
-from tests.scene_text import set_keys
+from tests.scene_text import scene_of, set_keys
 
 DIFFUSION = {"two_flux": TWO_FLUX, "p1": P1}
 LEVELS = ("two_flux", "p1", "ordinates")
@@ -395,20 +395,20 @@ def bed(tau: float, level: str, heated: bool, **radiation: Any) -> dict[str, Any
         "heat_capacity": 1100.0,
         "conductivity": 0.06,
     }
-    return values | {
-        "gas": {"model": "constant", **gas},
-        "solids": {
-            "particles": {
-                "density": 2500.0,
-                "heat_capacity": 900.0,
-                "conductivity": 1.5,
-                "diameter": 0.005,
-            }
-        },
-        "packed_bed": {"porosity": 0.4},
-        "closures": {"nusselt": 5.0},
-        "heat": {},
-    }
+    return values | scene_of(
+        """
+            packed_bed = { porosity = 0.4 }
+            closures = { nusselt = 5.0 }
+            heat = {}
+
+            [solids.particles]
+            density = 2500.0
+            heat_capacity = 900.0
+            conductivity = 1.5
+            diameter = 0.005
+        """,
+        {"gas": {"model": "constant", **gas}},
+    )
 
 
 @each_case(__file__, "estimate_of_rosseland_is_across_the_walls")

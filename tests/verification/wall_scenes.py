@@ -19,6 +19,7 @@ from contbed.packed_bed.corners import unlike_temperatures
 from contbed.packed_bed.flow import solved_flow
 from contbed.packed_bed.heat import HeatProblem
 from contbed.result import Result
+from tests.scene_text import scene_of
 
 # smallest cell of a reference mesh over the extent of the bed, at every side
 FINEST = 1e-5
@@ -101,29 +102,31 @@ def scene(seed: int, **solver: Any) -> Any:
         else {"type": "rectangle", "height": width}
     )
     return from_dict(
-        {
-            "mesh": mesh | {"length": length},
-            "gas": {
-                "density": 1.0,
-                "heat_capacity": 1000.0,
-                "conductivity": k_fluid,
-                "viscosity": 2e-5,
+        scene_of(
+            """
+                packed_bed = { porosity = 0.4 }
+                heat = {}
+                output = { plots = false, fields = false }
+
+                [gas]
+                density = 1.0
+                heat_capacity = 1000.0
+                viscosity = 2e-5
+
+                [solids.particles]
+                density = 2000.0
+                heat_capacity = 900.0
+                diameter = 0.01
+            """,
+            {
+                "mesh": mesh | {"length": length},
+                "gas.conductivity": k_fluid,
+                "solids.particles.conductivity": k_solid,
+                "closures.nusselt": spread(0.02, 200.0),
+                "boundary": moving(mesh, boundary, velocity, solid),
+                "solver": solver,
             },
-            "solids": {
-                "particles": {
-                    "density": 2000.0,
-                    "heat_capacity": 900.0,
-                    "conductivity": k_solid,
-                    "diameter": 0.01,
-                }
-            },
-            "packed_bed": {"porosity": 0.4},
-            "closures": {"nusselt": spread(0.02, 200.0)},
-            "heat": {},
-            "boundary": moving(mesh, boundary, velocity, solid),
-            "solver": solver,
-            "output": {"plots": False, "fields": False},
-        }
+        )
     )
 
 
