@@ -20,7 +20,6 @@ from contbed.scene.mechanism import mechanism_file
 from .common import (
     Range,
     checked_positive,
-    checked_range,
     integrated,
     nearest,
     polynomial,
@@ -136,7 +135,6 @@ def gas_mixture(
     composition: str | Mapping[str, float],
     pressure: float,
     mechanism: str = "gri30.yaml",
-    T_range: Sequence[float] | None = None,
     viscosity: float | None = None,
     conductivity: float | None = None,
 ) -> GasMixture:
@@ -150,7 +148,6 @@ def gas_mixture(
     pressure : [Pa]
     mechanism : a Cantera input file with ideal-gas thermodynamics, and transport data
         unless viscosity and conductivity are given
-    T_range : [K], within the range of the mechanism's fits, which is the default
     viscosity, conductivity : constants [Pa s, W/m/K] in place of transport data
 
     Source
@@ -173,8 +170,6 @@ def gas_mixture(
         )
     index = [gas.species_index(s) for s in x]
     data = [gas.species(i).thermo for i in index]
-    # transport data are fitted from the lowest to the highest of all species
-    limits = _limits(T_range, (gas.min_temp, gas.max_temp), mechanism)
     M = [float(gas.molecular_weights[i]) for i in index]
     molar_mass = sum(x_k * M_k for x_k, M_k in zip(x.values(), M, strict=True))
     T_mid: tuple[float, ...] = ()
@@ -212,7 +207,8 @@ def gas_mixture(
         k_mean = np.array(list(x.values())) @ np.array(k_fits)
     return GasMixture(
         name=", ".join(f"{s}:{x_k:.6g}" for s, x_k in x.items()),
-        T_range=limits,
+        # transport data are fitted from the lowest to the highest of all species
+        T_range=(gas.min_temp, gas.max_temp),
         source=f"Cantera, {Path(mechanism).name}: thermodynamics and mixture-averaged "
         "transport",
         pressure=p,
@@ -329,19 +325,6 @@ def require_transport(gas: Any, mechanism: str) -> None:
 def _reason(error: Exception) -> str:
     """Return Cantera's message on one line, without its frame of stars."""
     return " ".join(line for line in str(error).split("\n") if line.strip("* "))
-
-
-def _limits(T_range: Sequence[float] | None, fitted: Range, mechanism: str) -> Range:
-    if T_range is None:
-        return fitted
-    lo, hi = checked_range(T_range, "gas")
-    if lo < fitted[0] or hi > fitted[1]:
-        raise SceneError(
-            f"gas: T_range ({lo:g}, {hi:g}) K leaves the fits of {mechanism}, "
-            f"({fitted[0]:g}, {fitted[1]:g}) K; "
-            "narrow it or take a mechanism with a wider range"
-        )
-    return lo, hi
 
 
 def _nasa(

@@ -29,45 +29,16 @@ class Steam:
     liquid: float
     vapour: float
     h_range: tuple[float, float]
-    _low: Any
-    _high: Any
+    _table: Any
+    _slope: Any
 
-    def enthalpy(self, T: float) -> float:
-        """Return the enthalpy [kJ/kg] of one phase at a temperature [K]."""
-        from CoolProp import CoolProp
-
-        return 1e-3 * float(
-            CoolProp.PropsSI("Hmass", "P", self.pressure, "T", T, "Water")
-        )
+    def enthalpy(self, T: Any) -> Any:
+        """Return the enthalpy [kJ/kg] of one phase at temperatures [K]."""
+        return _enthalpy(self.pressure, T)
 
     def temperature(self, h: Any) -> Any:
         """Return the temperature [K]."""
-        return pointwise(lambda x: self._value(x, 0), lambda x: self._value(x, 1), h)
-
-    def _value(self, h: Any, derivative: int) -> Any:
-        inside = np.clip(h, *self.h_range)
-        low, high = (
-            curve(np.clip(inside, curve.x[0], curve.x[-1]), derivative)
-            for curve in (self._low, self._high)
-        )
-        boiling = 0.0 if derivative else self._low(self.liquid)
-        value = np.where(
-            inside < self.liquid, low, np.where(inside > self.vapour, high, boiling)
-        )
-        if derivative:
-            return value
-        ends = [
-            curve(x, 1)
-            for curve, x in (
-                (self._low, self.h_range[0]),
-                (self._high, self.h_range[1]),
-            )
-        ]
-        return (
-            value
-            + ends[0] * np.minimum(h - self.h_range[0], 0.0)
-            + ends[1] * np.maximum(h - self.h_range[1], 0.0)
-        )
+        return pointwise(self._table, self._slope, h)
 
     def quality(self, h: float) -> float | None:
         """Return the share of vapour in the mass of boiling water; None in one
@@ -87,12 +58,7 @@ def steam(pressure: float) -> Steam:
     CoolProp, IAPWS-95; http://www.coolprop.org
     """
     from CoolProp import CoolProp
-    from scipy.interpolate import CubicSpline
-
-    def enthalpy(T: Any) -> Any:
-        return 1e-3 * np.asarray(
-            CoolProp.PropsSI("Hmass", "P", pressure, "T", T, "Water")
-        )
+    from scipy.interpolate import CubicSpline, PPoly
 
     if not 1e3 <= pressure <= 1e8:
         raise SceneError(
@@ -107,18 +73,25 @@ def steam(pressure: float) -> Steam:
         )
     else:
         T_boil = CoolProp.PropsSI("Tcrit", "Water")
-        liquid = vapour = float(enthalpy(T_boil))
+        liquid = vapour = float(_enthalpy(pressure, T_boil))
     # nodes crowd at saturation, where heat capacities rise
     near = 0.5 * (1 - np.cos(np.linspace(0, np.pi, NODES)))
     below, above = T_LOW + near * (T_boil - T_LOW), T_boil + near * (T_HIGH - T_boil)
-    h_low, h_high = enthalpy(below[:-1]), enthalpy(above[1:])
+    h_low, h_high = _enthalpy(pressure, below[:-1]), _enthalpy(pressure, above[1:])
     low = CubicSpline(np.append(h_low, liquid), below)
     high = CubicSpline(np.insert(h_high, 0, vapour), above)
-    return Steam(
-        pressure,
-        float(liquid),
-        float(vapour),
-        (float(h_low[0]), float(h_high[-1])),
-        low,
-        high,
-    )
+    first, last = float(h_low[0]), float(h_high[-1])
+    # straight beyond both ends, constant where water boils
+    start = [0.0, 0.0, low(first, 1), low(first) - low(first, 1)]
+    end = [0.0, 0.0, high(last, 1), high(last)]
+    boiling = [[0.0, 0.0, 0.0, T_boil]] if vapour > liquid else []
+    pieces = [start, *low.c.T, *boiling, *high.c.T, end]
+    nodes = np.unique([first - 1.0, *low.x, *high.x, last + 1.0])
+    table = PPoly(np.array(pieces).T, nodes)
+    return Steam(pressure, liquid, vapour, (first, last), table, table.derivative())
+
+
+def _enthalpy(pressure: float, T: Any) -> Any:
+    from CoolProp import CoolProp
+
+    return 1e-3 * np.asarray(CoolProp.PropsSI("Hmass", "P", pressure, "T", T, "Water"))
