@@ -1,8 +1,8 @@
 """A sketch of the bed with its streams, from the tables of a scene: what fills it, what
 enters and leaves, and which sides exchange heat.
 
-`contbed plan` prints it and the report draws it, so that a user sees at one glance
-whether this is the reactor that was meant.
+`contbed plan` and the report show it, so that a user sees at one glance whether this is
+the reactor that was meant.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def sketch(model: str, scene: Table, results: Table | None = None) -> Sketch | N
 
 
 def text_of(bed: Sketch) -> str:
-    """Return a sketch for a terminal: a box with the streams around it."""
+    """Return a sketch as lines of text: a box with the streams around it."""
     ends = ("left", "right") if bed.horizontal else ("top", "bottom")
     sides = [side for side in ("wall", *OPPOSITE) if side not in ends]
     beside = [_line(stream) for side in sides for stream in bed.at(side)]

@@ -13,11 +13,10 @@ from contbed.errors import ContbedError
 from contbed.models import kind_of
 from contbed.output.files import atomic
 from contbed.output.folder import list_file, require_own
-from contbed.output.sketch import sketch
+from contbed.output.sketch import sketch, text_of
 from contbed.report import charts, page
 from contbed.report.calibration import CALIBRATION
 from contbed.report.cascade import CASCADE
-from contbed.report.drawing import svg
 from contbed.report.fields import pictures
 from contbed.report.optimum import OPTIMUM
 from contbed.report.read import Run, read_run
@@ -129,7 +128,7 @@ def _opening(run: Run) -> str:
     """Return the sketch of a run's bed, its words and its verdict."""
     scene = run.summary.get("scene", {})
     bed = sketch(kind_of(scene), scene, run.summary.get("qoi")) if scene else None
-    drawing = svg(bed) if bed is not None else ""
+    drawing = f'<pre class="sketch">{escape(text_of(bed))}</pre>' if bed else ""
     text = f'<div class="words">{words(run)}{page.verdict(run)}</div>'
     return f'<div class="opening">{text}{drawing}</div>'
 
