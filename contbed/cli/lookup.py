@@ -144,7 +144,7 @@ def closures(
 
     They are ranked by their declared ranges.
     """
-    from contbed.cli.rank_closures import table
+    from contbed.explain.rank_closures import table
 
     print(table(place, at))
 

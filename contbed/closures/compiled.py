@@ -38,7 +38,7 @@ def compiled(function: Function) -> Function:
 
 def own_values(closure: BoundClosure | None) -> tuple[float, ...]:
     """Numbers that a closure takes besides the arguments of a model, in the order of
-    `face`.
+    `Face`.
     """
     return (
         ()
@@ -47,17 +47,10 @@ def own_values(closure: BoundClosure | None) -> tuple[float, ...]:
     )
 
 
-def face(closure: BoundClosure | None, names: tuple[str, ...]) -> Face:
-    """Compile the closure as a function of the arguments `names`, in this order, and of
-    a tuple of `own_values`.
-
-    Without a closure the function is 0.
-    """
-    return Face(closure, names)
-
-
 class Face:
-    """A function that passes its arguments to a closure by their names."""
+    """A function of the arguments `names`, in this order, and of a tuple of
+    `own_values`, which passes them to a closure by their names; 0 without a closure.
+    """
 
     def __init__(self, closure: BoundClosure | None, names: tuple[str, ...]):
         self.function = None if closure is None else closure.function

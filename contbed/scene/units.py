@@ -83,7 +83,8 @@ def to_si(text: str, unit: str) -> float:
             f"unknown unit '{name[:60]}'{_HINTS.get(name, '')}; {expected}"
         )
     registry = _registry()
-    wanted = registry.parse_units("" if unit == "1" else unit)
+    wanted = _parse("" if unit == "1" else unit)
+    assert wanted is not None, "units of contbed's own"
     if found.dimensionality != wanted.dimensionality:
         celsius = (
             "; degrees Celsius are 'degC'" if unit == "K" and name in {"C", "c"} else ""

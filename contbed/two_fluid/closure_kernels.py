@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from contbed.arrays import Array
 from contbed.closures.binding import BoundClosure
-from contbed.closures.compiled import face, kernel, own_values
+from contbed.closures.compiled import Face, kernel, own_values
 from contbed.closures.granular_transport import share_drag, share_free_path
 from contbed.compiled.threads import parallel
 from contbed.two_fluid.closures import GIVES, Bound
@@ -188,7 +188,7 @@ def make(
 
 def _drag(closure: BoundClosure | None) -> Callable[..., None]:
     """Compile the kernel that evaluates K = beta/eps_s in all cells."""
-    return kernel(_drag_in_cells, {"beta": face(closure, GIVES["drag"])})
+    return kernel(_drag_in_cells, {"beta": Face(closure, GIVES["drag"])})
 
 
 # names that the two kernels below call; `kernel` binds them to the closures of a scene
@@ -223,7 +223,7 @@ def _granular(theory: tuple[BoundClosure | None, ...]) -> Callable[..., None]:
         "dissipation",
     )
     faces = {
-        name: face(closure, GIVES[kind])
+        name: Face(closure, GIVES[kind])
         for name, kind, closure in zip(names, KINETIC_THEORY, theory, strict=True)
     }
     singular = theory[0] is not None and "eps_max" in theory[0].takes

@@ -12,7 +12,7 @@ import pytest
 
 from contbed import closures
 from contbed.closures.binding import bind
-from contbed.closures.compiled import face, kernel, own_values
+from contbed.closures.compiled import Face, kernel, own_values
 from contbed.scene.tables import Closure
 from tests.cases import each_case
 from tests.refusals import refused
@@ -31,7 +31,7 @@ def of_cells(Re, eps, d_p, mu, own, out):
 def in_kernel(closure):
     """Values of a drag law in two cells."""
     out = np.empty(2)
-    law = kernel(of_cells, {"GLOBAL_LAW": face(closure, DRAG)})
+    law = kernel(of_cells, {"GLOBAL_LAW": Face(closure, DRAG)})
     law(
         np.full(2, KNOWN["Re"]),
         np.full(2, KNOWN["eps"]),
@@ -83,12 +83,12 @@ def test_a_closure_with_its_arguments_in_another_order(scratch_register):
 def test_kernels_are_kept_on_disk():
     closure = bind("gidaspow", "drag", DRAG)
     in_kernel(closure)
-    law = kernel(of_cells, {"GLOBAL_LAW": face(closure, DRAG)})
+    law = kernel(of_cells, {"GLOBAL_LAW": Face(closure, DRAG)})
     folder = Path(os.environ["NUMBA_CACHE_DIR"])
     index = list(folder.glob(f"*/*{law.py_func.__qualname__}*.nbi"))
     assert index, "numba keeps no index of this kernel"
     other = kernel(
-        of_cells, {"GLOBAL_LAW": face(bind("di_felice", "drag", DRAG), DRAG)}
+        of_cells, {"GLOBAL_LAW": Face(bind("di_felice", "drag", DRAG), DRAG)}
     )
     assert other.py_func.__qualname__ != law.py_func.__qualname__
 

@@ -7,8 +7,14 @@ from unittest.mock import Mock
 import pytest
 
 from contbed import cli
-from contbed.cli.rank_closures import conditions, derived, fluidized, kind_for, ranked
 from contbed.closures import registry
+from contbed.explain.rank_closures import (
+    conditions,
+    derived,
+    fluidized,
+    kind_for,
+    ranked,
+)
 from contbed.explain.sheets import entries, explain, search
 from contbed.reacting_bed.closures import places_of
 from tests.cases import each_case
@@ -74,7 +80,7 @@ def test_particles_that_float_have_no_archimedes_number():
 
 
 def test_a_ratio_of_spans_is_as_wide_as_it_can_be():
-    from contbed.cli.rank_closures import _of
+    from contbed.explain.rank_closures import _of
 
     assert _of("a/b", {"a": (1.0, 2.0), "b": (4.0, 8.0)}) == (0.125, 0.5)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.closures import registry
-from contbed.closures.arguments import ARGUMENTS, Argument, argument
+from contbed.closures.arguments import ARGUMENTS
 from contbed.closures.sheet import Interval
 from contbed.errors import SceneError
 from contbed.explain.closure_keys import closure_keys
@@ -203,11 +203,14 @@ def ranked(
     """Return the closures of a kind, those first whose ranges hold the conditions
     and `spans`, low and high of each.
     """
-    every = dict(spans or {}) | {name: (value, value) for name, value in known.items()}
-    return sorted(
-        (_choice(name, known, every) for name in registry.names(kind)),
-        key=lambda choice: choice.order,
-    )
+    every = _every(known, spans or {})
+    choices = [_choice(name, known, every) for name in registry.names(kind)]
+    return sorted(choices, key=lambda choice: choice.order)
+
+
+def _every(known: Mapping[str, float], spans: Spans) -> Spans:
+    """Return low and high of all that is known."""
+    return {**spans, **{name: (value, value) for name, value in known.items()}}
 
 
 def table(place: str, at: str | None) -> str:
@@ -219,40 +222,29 @@ def table(place: str, at: str | None) -> str:
     known, remark = derived(given)
     unit = registry.sheet(registry.names(kind)[0]).unit
     lines = [f"closures of kind {kind} [{unit}], the best covered first"]
+    shown = {name: f"{name} = {value:.4g}" for name, value in known.items()}
+    follows = [text for name, text in shown.items() if name not in given]
     if given:
-        lines.append(
-            "at " + ", ".join(f"{name} = {value:.4g}" for name, value in given.items())
-        )
-        follows = [
-            f"{name} = {value:.4g}"
-            for name, value in known.items()
-            if name not in given
-        ]
-        lines += [
-            text
-            for text in (remark, f"hence {', '.join(follows)}" if follows else "")
-            if text
-        ]
-    spans = (
-        {key: span for key, span in fluidized(known).items() if key not in known}
-        if kind == "drag"
-        else {}
-    )
+        lines.append("at " + ", ".join(shown[name] for name in given))
+    if given and remark:
+        lines.append(remark)
+    if given and follows:
+        lines.append(f"hence {', '.join(follows)}")
+    spans = fluidized(known) if kind == "drag" else {}
+    spans = {key: span for key, span in spans.items() if key not in known}
     if spans:
         ends = ", ".join(
             f"{key} = {low:.4g} to {high:.4g}" for key, (low, high) in spans.items()
         )
         lines.append(f"from minimum fluidization to the terminal velocity {ends}")
-    every = dict(spans) | {name: (value, value) for name, value in known.items()}
+    every = _every(known, spans)
     lines.append("")
     for choice in ranked(kind, known, spans):
         value = "" if choice.value is None else f"  = {choice.value:.5g}"
         lines.append(f"{choice.name:42}{_verdict(choice, bool(given)):10}{value}")
-        if choice.outside:
-            lines.append(
-                "    outside: "
-                f"{', '.join(_with_range(choice.name, key, every) for key in choice.outside)}"
-            )
+        outside = [_with_range(choice.name, key, every) for key in choice.outside]
+        if outside:
+            lines.append(f"    outside: {', '.join(outside)}")
         unknown = _unknown(choice, every) if given else []
         if unknown:
             lines.append(f"    not known: {', '.join(unknown)}")
@@ -349,9 +341,16 @@ def _with_range(name: str, key: str, spans: Spans) -> str:
 
 def _in_si(name: str, text: str) -> float:
     """Return a value in the SI unit of an argument, within its bounds."""
-    known = argument(name, "")
-    assert known is not None
-    value = _converted(name, text, known)
+    known = ARGUMENTS[name]
+    try:
+        value = float(text)
+    except ValueError:
+        from contbed.scene.units import to_si
+
+        try:
+            value = to_si(text, "1" if known.unit == "-" else known.unit)
+        except ValueError as error:
+            raise SceneError(f"--at: {name} = {text}: {error}") from None
     if known.bounds and value not in Interval.read(known.bounds):
         shown = f"{value:g}" if known.unit == "-" else f"{value:g} {known.unit}"
         raise SceneError(
@@ -362,21 +361,3 @@ def _in_si(name: str, text: str) -> float:
             f"--at: {name} = {text}: {known.meaning} must be a finite number"
         )
     return value
-
-
-def _converted(name: str, text: str, known: Argument) -> float:
-    """Return a value in SI as it is written."""
-    unit = (
-        "1"
-        if known.unit == "-"
-        else re.sub(r"([A-Za-z])(\d)", r"\1**\2", known.unit.replace(" ", "*"))
-    )
-    try:
-        return float(text)
-    except ValueError:
-        from contbed.scene.units import to_si
-
-        try:
-            return to_si(text, unit)
-        except ValueError as error:
-            raise SceneError(f"--at: {name} = {text}: {error}") from None
