@@ -26,9 +26,7 @@ def test_table_is_coolprop(pressure):
     slope = (water.temperature(h + 1e-4) - water.temperature(h - 1e-4)) / 2e-4
     inside = np.abs(h - water.liquid) > 1
     inside &= np.abs(h - water.vapour) > 1
-    assert water._slope(h)[inside] == pytest.approx(
-        slope[inside], rel=1e-4, abs=1e-6
-    )
+    assert water._slope(h)[inside] == pytest.approx(slope[inside], rel=1e-4, abs=1e-6)
 
 
 def test_boiling_water_has_one_temperature_and_a_quality():
