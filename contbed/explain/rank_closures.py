@@ -7,7 +7,7 @@ from __future__ import annotations
 import inspect
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +36,19 @@ ROUNDED = 1e-3
 _PAIR = re.compile(r"\s*([A-Za-z_]\w*)\s*=\s*(.+?)\s*")
 
 
+# what follows from other arguments, in this order
+FOLLOWING: dict[str, tuple[tuple[str, ...], Callable[..., float]]] = {
+    "nu": (("mu", "rho"), lambda mu, rho: mu / rho),
+    "Pr": (("mu", "cp_gas", "k_fluid"), lambda mu, cp, k: mu * cp / k),
+    "Re": (("u", "d_p", "nu"), lambda u, d_p, nu: abs(u) * d_p / nu),
+    "Pe": (("Re", "Pr"), lambda Re, Pr: Re * Pr),
+    "Ar": (
+        ("d_p", "rho_solid", "rho", "mu"),
+        lambda d_p, solid, rho, mu: d_p**3 * rho * (solid - rho) * GRAVITY / mu**2,
+    ),
+    "eps_s": (("eps",), lambda eps: 1.0 - eps),
+    "eps": (("eps_s",), lambda eps_s: 1.0 - eps_s),
+}
 Spans = Mapping[str, tuple[float, float]]
 
 
@@ -137,22 +150,11 @@ def derived(given: Mapping[str, float]) -> tuple[dict[str, float], str]:
             value = known.get(one, known.get(other))
             assert value is not None
             known[one] = known[other] = value
-    if "mu" in known and "rho" in known:
-        known.setdefault("nu", known["mu"] / known["rho"])
-    if {"mu", "cp_gas", "k_fluid"} <= known.keys():
-        known.setdefault("Pr", known["mu"] * known["cp_gas"] / known["k_fluid"])
-    if {"u", "d_p", "nu"} <= known.keys():
-        known.setdefault("Re", abs(known["u"]) * known["d_p"] / known["nu"])
-    if {"Re", "Pr"} <= known.keys():
-        known.setdefault("Pe", known["Re"] * known["Pr"])
-    if {"d_p", "rho_solid", "rho", "mu"} <= known.keys():
-        buoyant = known["rho"] * (known["rho_solid"] - known["rho"]) * GRAVITY
-        if buoyant > 0.0:  # what floats has none
-            known.setdefault("Ar", known["d_p"] ** 3 * buoyant / known["mu"] ** 2)
-    if "eps" in known:
-        known.setdefault("eps_s", 1.0 - known["eps"])
-    elif "eps_s" in known:
-        known["eps"] = 1.0 - known["eps_s"]
+    for name, (needed, value) in FOLLOWING.items():
+        if name not in known and known.keys() >= set(needed):
+            known[name] = value(*map(known.get, needed))
+    if known.get("Ar", 1.0) <= 0.0:  # what floats has none
+        del known["Ar"]
     return known, remark
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Generic, NoReturn, TypeVar
 
@@ -12,6 +12,7 @@ from contbed.errors import SceneError
 from contbed.explain.sheets import unit
 from contbed.scene.refusals import mistakes_of, table_of
 from contbed.scene.toml_lines import KeyPath, dotted, one_line, parse_key, read
+from contbed.scene.values import flat
 
 _Table = TypeVar("_Table", bound=BaseModel)
 # takes the path below an entry, and what is wrong there
@@ -76,7 +77,7 @@ class StudyFile(Generic[_Table]):
         """Yield dotted name, path and entry of each key of a scene below a table,
         and note its place in `places`.
         """
-        for below, entry in _flat(table, is_entry):
+        for below, entry in flat(table, is_entry):
             name, path = ".".join(below), (*at, *below)
             if name in places:
                 self.say(path, f"stands twice, also at {places[name]}", name)
@@ -113,16 +114,3 @@ def relocated(problem: str, places: Mapping[str, str]) -> tuple[str, str]:
             if text.startswith(name):
                 return name, f"{places[name]}: {text}"
     return "", problem
-
-
-def _flat(
-    table: Mapping[str, Any], is_entry: Callable[[Any], bool], above: Sequence[str] = ()
-) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Yield the entries by path, whether written as "a.b" = [...], a.b = [...] or in
-    sub-tables.
-    """
-    for key, value in table.items():
-        if is_entry(value):
-            yield (*above, key), value
-        else:
-            yield from _flat(value, is_entry, (*above, key))

@@ -279,11 +279,7 @@ def _with_salib(method: str, count: int, seed: int, dimensions: int) -> Array:
         ) from None
     import warnings
 
-    problem = {
-        "num_vars": dimensions,
-        "names": [str(k) for k in range(dimensions)],
-        "bounds": [[0.0, 1.0]] * dimensions,
-    }
+    problem = unit_cube(dimensions)
     with warnings.catch_warnings():
         # on counts that are no power of two, which the study reports
         warnings.simplefilter("ignore", UserWarning)
@@ -292,6 +288,15 @@ def _with_salib(method: str, count: int, seed: int, dimensions: int) -> Array:
                 sobol.sample(problem, count, calc_second_order=False, seed=seed)
             )
         return np.asarray(morris.sample(problem, count, num_levels=LEVELS, seed=seed))
+
+
+def unit_cube(dimensions: int) -> dict[str, Any]:
+    """Return what SALib calls a problem: parameters between 0 and 1."""
+    return {
+        "num_vars": dimensions,
+        "names": [str(k) for k in range(dimensions)],
+        "bounds": [[0.0, 1.0]] * dimensions,
+    }
 
 
 def within_tails(u: Array, spread: Distribution) -> Array:

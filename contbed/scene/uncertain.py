@@ -15,7 +15,7 @@ from typing import Any
 
 from contbed.errors import SceneError
 from contbed.scene.toml_lines import Origin, parse_key
-from contbed.scene.values import value_at
+from contbed.scene.values import flat, value_at
 
 _PERCENT = re.compile(r"\s*([0-9.eE+-]+)\s*%\s*")
 
@@ -37,7 +37,8 @@ def uncertain_numbers(
     SceneError : a key that the scene does not have as a number, or an uncertainty that
         is none
     """
-    for key, given in _flat(table):
+    for path, given in flat(table):
+        key = ".".join(path)
         where = f"{origin.at(('uncertain', *parse_key(key)))}: uncertain.{key}"
         value = value_at(scene, key)
         if isinstance(value, bool) or not isinstance(value, int | float):
@@ -57,11 +58,3 @@ def uncertain_numbers(
             float(value),
             share * abs(value) if share is not None else float(given),
         )
-
-
-def _flat(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{above}{key}.")
-        else:
-            yield above + key, value

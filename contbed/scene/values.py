@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from contbed.scene.quantities import Table
@@ -40,6 +40,21 @@ def tables(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Table]]:
     for name, value in below:
         if isinstance(value, Table | dict | list | tuple):
             yield from tables(value, (*path, name))
+
+
+def flat(
+    table: Mapping[str, Any],
+    is_value: Callable[[Any], bool] = lambda item: not isinstance(item, Mapping),
+    above: tuple[str, ...] = (),
+) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield the values below a table by path, whether written as "a.b" = 1, a.b = 1 or
+    in sub-tables.
+    """
+    for key, item in table.items():
+        if is_value(item):
+            yield (*above, key), item
+        else:
+            yield from flat(item, is_value, (*above, key))
 
 
 def with_value(part: Any, path: tuple[Any, ...], value: Any) -> Any:

@@ -6,7 +6,7 @@ the ranks share them evenly, except for `ROOT_BYTES`, which only rank 0 needs.
 
 from __future__ import annotations
 
-from contbed.solvers.linear import Policy, free_memory_GB
+from contbed.solvers.linear import Policy
 
 ROOT_BYTES = 900.0
 PROCESS_GB = 0.15
@@ -25,7 +25,7 @@ def advice(unknowns: dict[str, int], policy: Policy) -> str:
     """
     size, largest = sum(unknowns.values()), max(unknowns.values())
     need = policy.predicted_GB(largest)
-    limit = policy.limit_GB if policy.limit_GB is not None else 0.6 * free_memory_GB()
+    limit = policy.allowed_GB()
     if need <= limit:
         return "engine: skfem"
     return (

@@ -23,6 +23,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from contbed.errors import ConvergenceError, SceneError
+from contbed.scene.size import available_bytes
 from contbed.solvers.multigrid import Vertices, two_level
 
 DIRECT_3D = 120_000
@@ -109,21 +110,9 @@ class Policy:
         """Return the memory that may be used [GB]: what the scene gives, or 60 % of
         what is free.
         """
-        return self.limit_GB if self.limit_GB is not None else 0.6 * free_memory_GB()
-
-
-def free_memory_GB() -> float:
-    """Return the memory that the system can still give [GB]; infinite where it does
-    not say.
-    """
-    try:
-        with open("/proc/meminfo", encoding="ascii") as lines:
-            for line in lines:
-                if line.startswith("MemAvailable"):
-                    return float(line.split()[1]) / 1e6
-    except OSError:
-        pass
-    return float("inf")
+        if self.limit_GB is not None:
+            return self.limit_GB
+        return 0.6e-9 * available_bytes()
 
 
 class Solver:

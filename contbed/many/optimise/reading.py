@@ -32,7 +32,7 @@ from contbed.scene.quantities import Table, Whole
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, parse_key
 from contbed.scene.units import exponents, to_si
-from contbed.scene.values import value_at
+from contbed.scene.values import flat, value_at
 
 REPEATS = 3  # of a scene with seeds, if the file does not say
 _SIGN = re.compile(r"<=|>=|==|<|>|=")
@@ -146,16 +146,13 @@ def _unit(scene: SceneBase, keys: Mapping[str, DesignKey], name: str) -> str:
     return unit
 
 
-def _numbers(part: Any, above: str = "") -> list[str]:
+def _numbers(scene: SceneBase) -> list[str]:
     """Return the dotted keys of all numbers of a scene."""
-    values = part if isinstance(part, Mapping) else part.model_dump(exclude_none=True)
-    found = []
-    for key, value in values.items():
-        if isinstance(value, Mapping):
-            found += _numbers(value, f"{above}{key}.")
-        elif isinstance(value, int | float) and not isinstance(value, bool):
-            found.append(f"{above}{key}")
-    return found
+    return [
+        ".".join(path)
+        for path, value in flat(scene.model_dump(exclude_none=True))
+        if isinstance(value, int | float) and not isinstance(value, bool)
+    ]
 
 
 def _keys(file: StudyFile[DesignTable], scene: SceneBase) -> tuple[DesignKey, ...]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import prod
 
 from contbed.many.optimise.constrained_search import Optimum
 
@@ -57,9 +58,7 @@ def best_choice(
         return better
 
     every = [range(low, high + 1) for low, high in ranges]
-    count = 1
-    for values in every:
-        count *= len(values)
+    count = prod(map(len, every))
     attempt(start)
     if count <= ENUMERATED:
         for choice in sorted(product(*every), key=lambda one: _distance(one, start)):

@@ -52,8 +52,8 @@ class _Axis:
     def label(self, axes: Any, which: str = "x", ticks: int = 4) -> None:
         """Label and scale the x or y axis."""
         from matplotlib.ticker import (
-            FixedLocator,
             FuncFormatter,
+            LogLocator,
             MaxNLocator,
             NullLocator,
         )
@@ -65,18 +65,13 @@ class _Axis:
             return
         size = np.abs(self.values)
         if self.logarithmic and size.max() >= 3.0 * size.min():
+            scale = getattr(axes, f"set_{which}scale")
             if self.values[0] > 0.0:
-                axes.set(**{f"{which}scale": "log"})
+                scale("log")
+                between = (1.0, 2.0, 5.0) if size.max() < 1e3 * size.min() else (1.0,)
+                axis.set_major_locator(LogLocator(subs=between))
             else:
-                getattr(axes, f"set_{which}scale")("symlog", linthresh=size.min())
-            decades = 10.0 ** np.arange(
-                np.floor(np.log10(size.min())), np.ceil(np.log10(size.max())) + 1
-            )
-            marks = np.outer(
-                decades, (1.0, 2.0, 5.0) if len(decades) < 4 else (1.0,)
-            ).ravel()
-            marks = marks[(marks > 0.999 * size.min()) & (marks < 1.001 * size.max())]
-            axis.set_major_locator(FixedLocator(np.sign(self.values[0]) * marks))
+                scale("symlog", linthresh=size.min())
             axis.set_minor_locator(NullLocator())
         else:
             axis.set_major_locator(MaxNLocator(ticks))

@@ -12,14 +12,13 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from contbed.arrays import Array
 from contbed.many.sweep.table import VARIES
 from contbed.many.uncertainty.propagate import of_size_one
-from contbed.many.value_sets import LEVELS
+from contbed.many.value_sets import LEVELS, unit_cube
 
 CONFIDENCE = 0.90  # of the half widths of indices
 RESAMPLES = 200  # of the groups, for their confidence
@@ -69,39 +68,19 @@ def indices(method: str, points: Array, values: Array) -> Indices | None:
     kept, exponent = of_size_one(kept)
     if groups < LEAST_GROUPS or np.ptp(kept) <= VARIES:
         return None
-    problem: dict[str, Any] = {
-        "num_vars": parameters,
-        "names": [str(k) for k in range(parameters)],
-        "bounds": [[0.0, 1.0]] * parameters,
-    }
+    problem = unit_cube(parameters)
+    options = {"num_resamples": RESAMPLES, "conf_level": CONFIDENCE, "seed": SEED}
     with warnings.catch_warnings():
         # on parameters without any effect, whose indices are 0
         warnings.simplefilter("ignore")
+        from SALib.analyze import morris, sobol
+
         if method == "sobol_indices":
-            from SALib.analyze import sobol
-
-            found = sobol.analyze(
-                problem,
-                kept,
-                calc_second_order=False,
-                num_resamples=RESAMPLES,
-                conf_level=CONFIDENCE,
-                seed=SEED,
-            )
             columns = SOBOL_COLUMNS
+            found = sobol.analyze(problem, kept, calc_second_order=False, **options)
         else:
-            from SALib.analyze import morris
-
-            found = morris.analyze(
-                problem,
-                points[rows],
-                kept,
-                num_resamples=RESAMPLES,
-                conf_level=CONFIDENCE,
-                num_levels=LEVELS,
-                seed=SEED,
-            )
-            columns = MORRIS_COLUMNS
+            columns, x = MORRIS_COLUMNS, points[rows]
+            found = morris.analyze(problem, x, kept, num_levels=LEVELS, **options)
     # effects are in the unit of the result, indices are shares
     scale = exponent if method == "morris" else 0
     return Indices(
