@@ -12,13 +12,11 @@ Source: Govaerts 2000, Numerical Methods for Bifurcations of Dynamical Equilibri
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from contbed.bubbling_bed import scene as b
-from contbed.bubbling_bed.plan import coefficients, typical_numbers
 from contbed.bubbling_bed.problem import RECORDED_FROM, TYPICAL, BubblingProblem
 from contbed.errors import SceneError
 from contbed.fem.ad.batched import RecordedForms
@@ -44,12 +42,9 @@ class Family:
 
     def __init__(self, problem: BubblingProblem, key: str):
         self.problem, self.key = problem, key
-        computed = problem.c.computed
         # layers of the mesh are predicted from these numbers; they cost as much as a
         # residual, and the mesh stays
-        self.typical = (
-            None if computed is None else typical_numbers(problem.plan.scene, computed)
-        )
+        self.typical = problem.typical()
         # over the value, where that is possible
         self.recorded: RecordedForms | None = None
         self._jacobians, self._tried = 0, False
@@ -59,10 +54,7 @@ class Family:
         scene: b.BubblingScene = with_value(
             self.problem.plan.scene, parse_key(self.key), value
         )
-        c, _ = coefficients(scene, self.typical)
-        return self.problem.with_coefficients(
-            replace(self.problem.plan, scene=scene, coefficients=c)
-        )
+        return self.problem.with_scene(scene, self.typical)
 
     def assemble(self, x: Any, value: float, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the residual and the Jacobian."""

@@ -48,35 +48,27 @@ def frozen(computed: Computed, T: float, height: float) -> dict[str, Any]:
     o = SimpleNamespace(grad=lambda field: (0.0,), x=(np.full(1, 0.5 * height),))
     with np.errstate(invalid="ignore"):  # values that are not finite are reported below
         local = computed(SimpleNamespace(**at), o)
-    cp = {name: local.heat_capacity[name](T) for name in local.flows}
-
-    def number(value: Any) -> float:
-        return float(np.squeeze(value))
-
-    found: dict[str, Any] = {
-        "delta": number(local.delta),
-        "gas": {n: number(v) for n, v in local.gas.items()},
-        "conduction": {n: number(v) for n, v in local.conduction.items()},
-        "pairs": {n: number(v) for n, v in local.pairs.items()},
-        "exchange": number(local.exchange),
-        "contact": {n: number(v) for n, v in local.contact.items()},
-        "flows": {n: number(v * cp[n]) for n, v in local.flows.items()},
+    capacities = local.heat_capacity
+    local.flows = {
+        name: flow * capacities[name](T) for name, flow in local.flows.items()
     }
-    for key, value in found.items():
-        for name, each in value.items() if isinstance(value, dict) else (("", value),):
-            if not np.isfinite(each):
-                _refuse(
-                    computed,
-                    T,
-                    key,
-                    name,
-                    {k: number(v) for k, v in local.state.items() if np.size(v) == 1},
-                )
+    found: dict[str, Any] = {}
+    for key in COEFFICIENTS:
+        value = getattr(local, key)
+        several = isinstance(value, dict)
+        numbers = {
+            name: float(np.squeeze(each))
+            for name, each in (value if several else {"": value}).items()
+        }
+        for name, number in numbers.items():
+            if not np.isfinite(number):
+                _refuse(computed, T, key, name, local.state)
+        found[key] = numbers if several else numbers[""]
     return found
 
 
 def _refuse(
-    computed: Computed, T: float, key: str, name: Any, state: dict[str, float]
+    computed: Computed, T: float, key: str, name: Any, state: dict[str, Any]
 ) -> NoReturn:
     """Name the coefficient that has no value at the temperature at which layers are
     predicted.
@@ -85,7 +77,9 @@ def _refuse(
         f" of {' and '.join(name) if isinstance(name, tuple) else name}" if name else ""
     )
     known = ", ".join(
-        f"{k} = {state[k]:.3g} {unit}" for k, unit in QUOTED.items() if k in state
+        f"{k} = {float(np.squeeze(state[k])):.3g} {unit}"
+        for k, unit in QUOTED.items()
+        if k in state
     )
     raise SceneError(
         f"{computed.scene.origin.at(('solids',))}: {COEFFICIENTS[key]}{of} has no "

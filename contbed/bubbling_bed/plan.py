@@ -47,7 +47,6 @@ class BubblingPlan:
     mesh: Mesh
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
-    albedo: float | None = None  # of the emulsion
     steps: bool = False
 
     @property
@@ -102,7 +101,7 @@ class BubblingPlan:
 
 def plan(scene: b.BubblingScene) -> BubblingPlan:
     """Decide what a scene needs and build its mesh."""
-    c, albedo = coefficients(scene)
+    c = coefficients(scene)
     finest = (
         CONTINUUM * min(item.diameter for item in scene.present.values())
         if c.computed is not None
@@ -151,7 +150,7 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
             "no [bubbling_bed.tubes], no [bubbling_bed.walls]",
         ),
         (
-            c.computed is not None and c.computed.above is not None,
+            c.above is not None,
             "freeboard",
             "gas, particles, radiation",
             "no [bubbling_bed.freeboard] with a height",
@@ -159,17 +158,18 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
         (c.level != "none", "radiation", levels.get(c.level, ""), "level none"),
     ):
         (built if there else skipped).append((what, how if there else why))
-    if c.computed is not None and (chemistry := c.computed.chemistry) is not None:
-        built.append(("gases", ", ".join(chemistry.part.gases)))
-        built += [("reactions", ", ".join(chemistry.names))] if chemistry.names else []
+    if c.chemistry is not None:
+        built.append(("gases", ", ".join(c.chemistry.part.gases)))
+        if c.chemistry.names:
+            built.append(("reactions", ", ".join(c.chemistry.names)))
     else:
         skipped.append(("reactions", "no [reactions] table"))
-    return BubblingPlan(scene, c, mesh, tuple(built), tuple(skipped), albedo)
+    return BubblingPlan(scene, c, mesh, tuple(built), tuple(skipped))
 
 
 def coefficients(
     scene: b.BubblingScene, typical: dict[str, Any] | None = None
-) -> tuple[model.Coefficients, float | None]:
+) -> model.Coefficients:
     """Return the coefficients of the model, and the albedo of the emulsion where it
     radiates.
 
@@ -254,9 +254,10 @@ def coefficients(
         _radiosity(bed.freeboard),
         scene.solver.degree,
         computed,
+        albedo,
         computed.fields if computed is not None else (),
         (computed.parts if computed is not None else ()) + _water(scene),
-    ), albedo
+    )
 
 
 def typical_numbers(scene: b.BubblingScene, computed: Any) -> dict[str, Any]:

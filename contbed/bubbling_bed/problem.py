@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,8 @@ from contbed.bubbling_bed.burning import burns, explained, is_out
 from contbed.bubbling_bed.coefficients import SMOOTHED
 from contbed.bubbling_bed.diagnosis import explain, fluidization, temperatures
 from contbed.bubbling_bed.equations import bed as model
-from contbed.bubbling_bed.plan import BubblingPlan
+from contbed.bubbling_bed.plan import BubblingPlan, coefficients, typical_numbers
+from contbed.bubbling_bed.scene import BubblingScene
 from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
@@ -88,13 +90,10 @@ class BubblingProblem:
         self._forget()
         # what compares steps of flows and sizes with those of temperatures
         self.weights = np.ones(self.system.size)
-        for name, size in (
-            self.c.computed.sizes if self.c.computed is not None else {}
-        ).items():
+        for name, size in getattr(self.c.computed, "sizes", {}).items():
             self.system.part(self.weights, name)[:] = TYPICAL / size
         self.lower = np.zeros(self.system.size)
-        chemistry = self.c.computed.chemistry if self.c.computed is not None else None
-        for name, size in (chemistry.sizes if chemistry is not None else {}).items():
+        for name, size in getattr(self.chemistry, "sizes", {}).items():
             # what is exhausted may be missed by little
             self.system.part(self.lower, name)[:] = -MISSED * size
 
@@ -108,12 +107,22 @@ class BubblingProblem:
         )
         return [(form, where, self.c) for form, where in ends]
 
-    def with_coefficients(self, plan: BubblingPlan) -> BubblingProblem:
-        """Return this problem with the coefficients of another plan, on the same
-        mesh.
+    def typical(self) -> dict[str, Any] | None:
+        """Return coefficients that follow the state as numbers, which other scenes on
+        this mesh need not find again; None where all are numbers.
+        """
+        computed = self.c.computed
+        return None if computed is None else typical_numbers(self.plan.scene, computed)
+
+    def with_scene(
+        self, scene: BubblingScene, typical: dict[str, Any] | None = None
+    ) -> BubblingProblem:
+        """Return this problem with the coefficients of another scene, on the same
+        mesh; `typical` are numbers of this one, see `typical`.
         """
         other = copy(self)
-        other.plan, other.c = plan, plan.coefficients
+        other.c = coefficients(scene, typical)
+        other.plan = replace(self.plan, scene=scene, coefficients=other.c)
         other._record_from = RECORDED_FROM
         other._forget()
         return other
@@ -152,12 +161,12 @@ class BubblingProblem:
     @property
     def above(self) -> Any:
         """The freeboard, None where none is solved for."""
-        return self.c.computed.above if self.c.computed is not None else None
+        return self.c.above
 
     @property
     def chemistry(self) -> Any:
         """The reacting part, None where nothing reacts."""
-        return self.c.computed.chemistry if self.c.computed is not None else None
+        return self.c.chemistry
 
     @property
     def space(self) -> Any:

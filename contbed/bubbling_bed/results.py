@@ -44,7 +44,7 @@ def fill(
         result.profiles["q_radiation [W/m2]"] = -c.diffusion * probe.slope(
             space, nodal["G"], 0
         )
-    chemistry = c.computed.chemistry if c.computed is not None else None
+    chemistry = c.chemistry
     if chemistry is not None:
         from contbed.bubbling_bed.chemistry import results as chemistry_results
 
@@ -100,8 +100,8 @@ def fill(
         chemistry_results.fill(problem, chemistry, state, result)
     if wanted:
         _only_at(wanted, positions, result)
-    if plan.albedo is not None:
-        use = usage(optics.radiation_emissivity_half_space, albedo=plan.albedo)
+    if c.albedo is not None:
+        use = usage(optics.radiation_emissivity_half_space, albedo=c.albedo)
         result.closures.append(use.to_dict())
 
 

@@ -73,10 +73,8 @@ def stretched(
     mesh = plan.mesh
     if ratio != 1.0:
         mesh = line(ratio * np.sort(mesh.skfem.p[0]))
-    c, albedo = coefficients(scene, typical)
-    return BubblingProblem(
-        replace(plan, scene=scene, coefficients=c, mesh=mesh, albedo=albedo)
-    )
+    c = coefficients(scene, typical)
+    return BubblingProblem(replace(plan, scene=scene, coefficients=c, mesh=mesh))
 
 
 def settled(problem: BubblingProblem, state: Any, result: Result) -> tuple[Any, float]:

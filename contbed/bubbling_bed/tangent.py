@@ -11,14 +11,12 @@ continuation move as `branch` says.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from contbed.bubbling_bed.branch import Family, Fold, distance
-from contbed.bubbling_bed.plan import coefficients, typical_numbers
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.bubbling_bed.results import fill
 from contbed.bubbling_bed.settling import CHANGE, ROUNDS, settled, stretched, unsettled
@@ -38,10 +36,7 @@ class Tangent(SteadyTangent):
     def __init__(self, result: Result):
         self.problem = result.solved.problem
         self.x = self.problem.unknowns(result.solved.state)
-        plan, computed = self.problem.plan, self.problem.c.computed
-        self.typical = (
-            None if computed is None else typical_numbers(plan.scene, computed)
-        )
+        self.typical = self.problem.typical()
         self.settles = unsettled(result.scene)
         self.branch = result.solved.branch
 
@@ -124,10 +119,7 @@ class Tangent(SteadyTangent):
     def _problem(self, scene: Any) -> BubblingProblem:
         plan = self.problem.plan
         if scene.bubbling_bed.height == plan.scene.bubbling_bed.height:
-            c, albedo = coefficients(scene, self.typical)
-            made = self.problem.with_coefficients(
-                replace(plan, scene=scene, coefficients=c, albedo=albedo)
-            )
+            made = self.problem.with_scene(scene, self.typical)
         else:
             made = stretched(plan, scene, self.typical)
         if made.plan.fields != plan.fields:

@@ -14,14 +14,14 @@ period.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Generic, NamedTuple, Protocol, Self
 
 import numpy as np
 
 from contbed.course.history import packed, unpacked
-from contbed.course.march import H, TimeSteps
+from contbed.course.march import H
 from contbed.errors import ConvergenceError
 from contbed.solvers.anderson import Anderson
 
@@ -35,11 +35,13 @@ GROWN = 2.0
 
 
 class Periodic(Protocol[H]):
-    """What a model says of its cycle."""
+    """Time steps of a model, see `TimeSteps`, and what it says of its cycle."""
 
-    @property
-    def steps(self) -> TimeSteps[H]:
-        """The time steps."""
+    def march(self, history: H) -> Iterator[H]:
+        """Yield the histories after each step."""
+
+    def repeated(self, history: H, sizes: Iterable[float]) -> Iterator[tuple[H, float]]:
+        """Yield the histories after steps of given sizes [s], and their errors."""
 
     def scale(self, after: H) -> Any:
         """Return the sizes that changes refer to, from the end of the first period."""
@@ -117,30 +119,31 @@ class Period(NamedTuple):
         return float(np.max(self.change, initial=0.0))
 
 
-def unwatched(before: Any, after: Any, period: int) -> None:
-    """Take no notice of a step."""
-
-
 def periods(
     model: Periodic[H],
-    search: Search[H],
+    first: H,
+    start: tuple[Any, Any] | None,
     tolerance: float,
     save: Callable[[Search[H]], None],
-    watch: Callable[[H, H, int], None] = unwatched,
+    advance: Callable[[float, str], None],
 ) -> Iterator[Period]:
     """Yield periods to one that closes, or `MOST`, and then the closest.
 
     Parameters
     ----------
+    first : history at the start of the first period
+    start : arrays and numbers of a checkpoint to resume from
     tolerance : largest change of what is stored, over its sizes
     save : is called with the search before each period
-    watch : is called with the histories before and after each step, and the number of
-        the period
+    advance : is called with the time after each step [s], and the number of the period
 
     Raises
     ------
     ConvergenceError : a step fails, in a period that is not extrapolated as well
     """
+    search = Search(first)
+    if start is not None:
+        search = Search.unpack(first, *start)
     while search.periods < MOST:
         save(search)
         count = search.periods + 1
@@ -148,7 +151,7 @@ def periods(
         after, sizes, error = search.begin, [], 0.0
         try:
             for following, missed in _steps(model, search, fresh):
-                watch(after, following, count)
+                advance(following.time, f"period {count}")
                 after, error = following, max(error, missed)
                 sizes.append(after.taken)
         except ConvergenceError:
@@ -198,8 +201,8 @@ def _steps(
     model: Periodic[H], search: Search[H], fresh: bool
 ) -> Iterator[tuple[H, float]]:
     if fresh:
-        return ((after, 0.0) for after in model.steps.march(search.begin))
-    return model.steps.repeated(search.begin, search.sizes)
+        return ((after, 0.0) for after in model.march(search.begin))
+    return model.repeated(search.begin, search.sizes)
 
 
 def _from_best(model: Periodic[H], search: Search[H], count: int) -> Search[H]:

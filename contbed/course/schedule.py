@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.scene.series import SAME, Samples, Series
+from contbed.scene.series import SAME, Samples, series_of
 from contbed.scene.toml_lines import KeyPath, Origin
-from contbed.scene.values import tables, with_value
+from contbed.scene.values import with_value
 
 # distance of two cuts below which they are one, over that of jumps; a value before a
 # cut is so before both
@@ -30,13 +30,6 @@ PASSED = 0.5
 # of the range of a series, below which a change at a moment is that of times that are
 # one
 ROUNDED = 1e-6
-
-
-def series_of(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Series]]:
-    """Yield key and series of everything in a table that changes with time."""
-    for where, found in tables(part, path):
-        if isinstance(found, Series):
-            yield where, found
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ _NAMES = (
 )
 # names that runs give to results which a scene may read as well
 RESULTS = re.compile(rf"{_NAMES}|(fields|particles)_\d+\.vtu")
-_PICTURES = r"(profiles|fields|outlet|continuation)\.png|(fields|particles)\.pvd"
+_PICTURES = r"(profiles|fields|outlet|heat|continuation)\.png|(fields|particles)\.pvd"
 _REPLACED = re.compile(
     rf"{_NAMES}|{_PICTURES}|summary\.json|checkpoint\.npz|closure\.toml"
 )

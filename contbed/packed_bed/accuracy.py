@@ -23,6 +23,7 @@ import numpy as np
 
 from contbed.fem.tensor_error import TensorGrid, balanced
 from contbed.packed_bed.corners import Side, adjacent_sides, unlike_temperatures
+from contbed.packed_bed.schedule import PHASES
 
 # share of the smallest extent of the bed around a corner where temperatures jump
 JUMP_RADIUS = 0.01
@@ -101,7 +102,7 @@ def estimated(
             found[f"u{k}"] = _field(space, values / scale, corners, limit)
     if problem is not None:
         space, span = problem.system.fields["T_fluid"][0], problem.span_of(state)
-        for phase in ("fluid", "solid"):
+        for phase in PHASES:
             corners = _corners(
                 plan, partial(unlike_temperatures, plan.solved.boundary, phase)
             )

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from contbed.closures.packed_beds import gas_conducts_twice, unusable
-from contbed.course.schedule import series_of
 from contbed.errors import SceneError
 from contbed.materials.common import FAR
 from contbed.packed_bed import scene as s
@@ -18,19 +17,18 @@ from contbed.packed_bed.inlets import (
     bed_axis,
     enters,
     given_velocity,
+    key_of,
     role,
     velocity_key,
     velocity_vector,
 )
-from contbed.packed_bed.schedule import KELVIN
+from contbed.packed_bed.schedule import KELVIN, PHASES
 from contbed.packed_bed.schedule_checks import (
     NAMES,
-    PHASES,
     Boundaries,
     at_each_time,
     initial_profiles_fit_the_bed,
     initial_profiles_reach_both_ends,
-    series_are_usable,
 )
 from contbed.packed_bed.velocity_checks import (
     velocities_are_given_once,
@@ -64,7 +62,11 @@ from contbed.scene.mesh_checks import (
 )
 from contbed.scene.quantities import ClosureFile
 from contbed.scene.series import ProfileFile
-from contbed.scene.series_checks import a_cycle_fits_its_series
+from contbed.scene.series_checks import (
+    a_cycle_fits_its_series,
+    output_times_lie_in_the_run,
+    series_are_usable,
+)
 from contbed.scene.tables import Output, Solver
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
@@ -212,7 +214,7 @@ def heat_alone_uses_temperatures(
             if varies and phase == "fluid" and condition.temperature is not None:
                 known = True
             else:
-                yield ("boundary", name, *table.key(phase)), remedy
+                yield key_of(boundary, name, phase), remedy
     if varies and inlet is not None and not known:
         yield (
             ("boundary", inlet[0], "gas", "temperature"),
@@ -310,11 +312,7 @@ def times_are_in_order(time: s.Time | None, see: See) -> Mistakes:
     for index, instant in enumerate(time.times):
         if instant in time.times[:index]:
             yield ("time", "times", index), f"{instant:g} s is given twice"
-        if instant > time.end:
-            yield (
-                ("time", "times", index),
-                f"{instant:g} s is after the end; see {see('time.end')}",
-            )
+    yield from output_times_lie_in_the_run(time, see)
     if time.step is not None and time.step > time.end:
         yield (
             ("time", "step"),
@@ -388,10 +386,8 @@ def streams_have_a_temperature(
     if heat is None:
         return
     for phase, what in NAMES.items():
-        velocity, speed = (
-            velocity_vector(mesh, boundary, phase),
-            _about_velocity(boundary, phase, see),
-        )
+        velocity = velocity_vector(mesh, boundary, phase)
+        speed = _about_velocity(boundary, phase, see)
         if len(velocity) != mesh.dimension:
             continue
         conditions = {
@@ -402,7 +398,7 @@ def streams_have_a_temperature(
         for name, condition in conditions.items():
             if condition.temperature is None:
                 continue
-            path = ("boundary", name, *boundary[name].key(phase), "temperature")
+            path = key_of(boundary, name, phase, "temperature")
             if not any(velocity):
                 yield (
                     path,
@@ -436,11 +432,7 @@ def streams_have_a_temperature(
             )
             if name not in conditions and not is_wall:
                 yield (
-                    (
-                        "boundary",
-                        name,
-                        *(boundary[name].key(phase) if name in boundary else ()),
-                    ),
+                    key_of(boundary, name, phase),
                     f"the {what} enters here without a temperature; give {ENTERING}; "
                     f"{speed}",
                 )
@@ -515,9 +507,8 @@ def a_cycle_changes_something(
     """
     if time is None or time.cycle is None:
         return
-    yield from a_cycle_fits_its_series(
-        series_of(boundary, ("boundary",)), time, "a velocity or a temperature", see
-    )
+    what = "a velocity or a temperature"
+    yield from a_cycle_fits_its_series(boundary, time, what, see)
     if not isinstance(mesh, MeshLine):
         yield (
             ("time", "cycle"),
@@ -706,11 +697,9 @@ def _temperatures(
         for name, table in boundary.items():
             condition = table.condition(phase)
             for key in KELVIN:
-                if condition is not None and getattr(condition, key) is not None:
-                    yield (
-                        ("boundary", name, *table.key(phase), key),
-                        getattr(condition, key),
-                    )
+                value = getattr(condition, key, None)
+                if value is not None:
+                    yield key_of(boundary, name, phase, key), value
         given = initial.given(phase)
         if given is not None and not isinstance(given, ProfileFile):
             yield initial.key(phase), given

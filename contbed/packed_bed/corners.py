@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from itertools import combinations
 
 from contbed.packed_bed import scene as s
+from contbed.packed_bed.inlets import key_of
 from contbed.scene.checking import Mistakes
 from contbed.scene.mesh import Mesh, MeshFile, MeshLine
 
@@ -70,12 +71,7 @@ def prescribed_temperatures_agree_in_corners(
             unlike = unlike_temperatures(boundary, phase, name, other)
             if unlike is not None:
                 yield (
-                    (
-                        "boundary",
-                        other,
-                        *boundary[other].key(phase),
-                        "fixed_temperature",
-                    ),
+                    key_of(boundary, other, phase, "fixed_temperature"),
                     f"{unlike[1]:g} K meets {unlike[0]:g} K of boundary.{name} in a "
                     f"corner, where heat_{name}_W and "
                     f"heat_{other}_W grow without limit as cells get smaller, and "

@@ -21,6 +21,7 @@ from contbed.mesh.grading import (
 )
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
+from contbed.packed_bed.schedule import PHASES
 from contbed.scene.mesh import MeshFile, MeshLine
 from contbed.scene.series import ProfileFile
 
@@ -121,10 +122,8 @@ def _wall_layers(
 
     One is for Darcy's drag alone, the other includes Forchheimer's drag at its largest.
     """
-    permeability, forchheimer = (
-        medium.packing("permeability"),
-        medium.packing("forchheimer"),
-    )
+    permeability = medium.packing("permeability")
+    forchheimer = medium.packing("forchheimer")
     fastest = max(float(np.linalg.norm(solid)), float(np.linalg.norm(velocity - solid)))
     inertia = (
         medium.mass_flux_scale()
@@ -231,7 +230,7 @@ def _slope_of_the_start(scene: s.Scene) -> Any:
     """
     files = [
         given.samples(scene.origin.base, f"T_{phase}")
-        for phase in ("fluid", "solid")
+        for phase in PHASES
         if isinstance(given := scene.initial.given(phase), ProfileFile)
     ]
 

@@ -17,13 +17,19 @@ from contbed.fem.domain import Domain
 from contbed.fem.skfem import Ops, System
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.equations import two_energy
-from contbed.packed_bed.heat_coefficients import HeatCoefficients
-from contbed.packed_bed.inlets import inlet_temperature
+from contbed.packed_bed.heat_coefficients import HeatCoefficients, enters
+from contbed.packed_bed.inlets import inlet_temperature, key_of
 from contbed.packed_bed.inside import modes
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.radiation import coupling
-from contbed.packed_bed.schedule import ScheduleInterval, initial_range, initial_values
+from contbed.packed_bed.schedule import (
+    PHASES,
+    ScheduleInterval,
+    initial_values,
+    temperatures_given,
+)
 from contbed.scene.mesh import SIDE, MeshLine
+from contbed.scene.toml_lines import dotted
 from contbed.solvers.condensed import Modes
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import Options, newton
@@ -32,7 +38,7 @@ if TYPE_CHECKING:
     from contbed.packed_bed.flow import Flow
 
 INSIDE = ""  # in place of the name of a boundary: heat that enters the bed through none
-PHASES = ("fluid", "solid")
+
 # relative change of temperatures up to which a correction counts as round-off
 ROUNDING = 1e-9
 REFINEMENTS = 3
@@ -174,10 +180,11 @@ class HeatProblem:
         boundary, walls = self.interval.boundary(weights), []
         self._set_share(boundary)
         for name, part, wall in self.boundary_terms:
-            phase = wall.name.removeprefix("T_")
             table = boundary.get(name)
-            if table is not None and (condition := table.thermal(phase)) is not None:
-                values = self.build.given(phase, condition, wall.inflow is not None)
+            condition = None if table is None else table.thermal(wall.phase)
+            if condition is not None:
+                enters = wall.inflow is not None
+                values = self.build.given(wall.phase, condition, enters)
                 wall = replace(wall, **values)
             walls.append((name, part, wall))
         self.boundary_terms = walls
@@ -203,7 +210,7 @@ class HeatProblem:
         cells = self.system.cells
         self.build, self.moving = self.build.in_stream(share, self.coefficients, cells)
         self.boundary_terms = [
-            (name, part, self.build.wall(name, wall.name.removeprefix("T_"), part))
+            (name, part, self.build.wall(name, wall.phase, part))
             for name, part, wall in self.boundary_terms
         ]
 
@@ -213,20 +220,9 @@ class HeatProblem:
         return self.build.share
 
     def _temperature_range(self) -> tuple[float, float]:
-        found: list[Any] = [
-            value
-            for table in self.scene.boundary.values()
-            for phase in PHASES
-            if (c := table.thermal(phase)) is not None
-            for value in (c.fixed_temperature, c.temperature, c.ambient)
-            if value is not None
-        ]
+        found = temperatures_given(self.scene)
         if self.radiation is not None:
             found += self.radiation.temperatures(self.mesh)
-        if self.scene.time is not None:
-            base = self.scene.origin.base
-            for phase in PHASES:
-                found += initial_range(self.scene.initial.given(phase), phase, base)
         if self.interval is not None:
             found += self.interval.temperatures
         return min(found), max(found)
@@ -249,16 +245,11 @@ class HeatProblem:
                         )
                         found.append((nodes, name, phase, condition.fixed_temperature))
                     else:
-                        why = f"the {phase} neither conducts nor enters there"
-                        key = ".".join(
-                            (
-                                "boundary",
-                                name,
-                                *self.scene.boundary[name].key(phase),
-                                "fixed_temperature",
-                            )
+                        key = key_of(
+                            self.scene.boundary, name, phase, "fixed_temperature"
                         )
-                        self.idle.append(f"{key} has no effect: {why}")
+                        why = f"the {phase} neither conducts nor enters there"
+                        self.idle.append(f"{dotted(key)} has no effect: {why}")
         every = np.concatenate(
             [np.empty(0, dtype=np.int64), *(nodes for nodes, *_ in found)]
         )
@@ -287,10 +278,9 @@ class HeatProblem:
         ):
             return True
         return any(
-            wall.mass_flux is not None
-            and np.min(plain(Ops.dot(wall.mass_flux, part.n))) < 0
+            enters(wall.mass_flux, part)
             for name, part, wall in self.boundary_terms
-            if (name, wall.name) == (boundary, f"T_{phase}")
+            if (name, wall.phase) == (boundary, phase)
         )
 
     @property
@@ -338,11 +328,8 @@ class HeatProblem:
         for phase in PHASES:
             name, T = f"T_{phase}", 0.5 * (low + high)
             if time is not None:
-                given, x = (
-                    self.scene.initial.given(phase),
-                    self.system.fields[name][0].points[self.mesh.axis],
-                )
-                T = initial_values(given, phase, self.scene.origin.base, x)
+                x = self.system.fields[name][0].points[self.mesh.axis]
+                T = initial_values(self.scene, phase, x)
             self.system.part(state, name)[:] = T
         state[self.fixed] = self.fixed_values
         if self.radiation is not None:
@@ -477,20 +464,12 @@ class HeatProblem:
             if self.radiation is None
             else self.radiation.emission(self.mesh, self.system)
         )
-        carried: float = sum(
-            getattr(self.coefficients, phase).capacity
-            * high
-            * float(
-                np.sum(
-                    part.weight
-                    * np.maximum(plain(Ops.dot(wall.mass_flux, part.n)), 0.0)
-                )
-            )
-            for (_, part, wall) in self.boundary_terms
-            if wall.mass_flux is not None
-            for phase in PHASES
-            if wall.name == f"T_{phase}"
-        )
+        carried = 0.0
+        for _, part, wall in self.boundary_terms:
+            if wall.mass_flux is not None:
+                leaving = np.maximum(plain(Ops.dot(wall.mass_flux, part.n)), 0.0)
+                capacity = getattr(self.coefficients, wall.phase).capacity
+                carried += capacity * high * float(np.sum(part.weight * leaving))
         return radiated + carried
 
     def estimated_error(self, state: Any) -> Any:

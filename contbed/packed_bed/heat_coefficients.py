@@ -30,6 +30,13 @@ if TYPE_CHECKING:
 TINY = 1e-30
 
 
+def enters(mass_flux: Any, part: Domain) -> bool:
+    """Return whether a stream enters through some of a boundary; None is no stream."""
+    if mass_flux is None:
+        return False
+    return bool(np.min(plain(Ops.dot(mass_flux, part.n))) < 0)
+
+
 class HeatCoefficients:
     """Coefficients of the forms of `equations.two_energy` on any domain.
 
@@ -153,14 +160,12 @@ class HeatCoefficients:
         wall = self.wall("", "solid", where)
         if wall.mass_flux is None:
             return None
-        enters = np.min(plain(Ops.dot(wall.mass_flux, where.n))) < 0
-        capacity = self.medium.solid.heat_capacity
         return two_energy.BoundaryTerms(
             mode.name,
             wall.mass_flux,
             None,
-            inflow=0.0 if enters else None,
-            capacity=capacity,
+            inflow=0.0 if enters(wall.mass_flux, where) else None,
+            capacity=self.medium.solid.heat_capacity,
         )
 
     def _phase(
@@ -253,8 +258,7 @@ class HeatCoefficients:
         condition = self.condition(name, phase)
         if condition is None:
             return two_energy.BoundaryTerms(f"T_{phase}", flux, material.enthalpy)
-        enters = flux is not None and np.min(plain(Ops.dot(flux, where.n))) < 0
-        options = self.given(phase, condition, enters)
+        options = self.given(phase, condition, enters(flux, where))
         if condition.coefficient is not None:
             spec, speed = condition.coefficient, self._speed(where)
             options["coefficient"] = lambda unknowns: self.medium.wall(
@@ -267,13 +271,13 @@ class HeatCoefficients:
         )
 
     def given(
-        self, phase: str, condition: s.PhaseCondition, enters: bool
+        self, phase: str, condition: s.PhaseCondition, inflow: bool
     ) -> dict[str, Any]:
         """Return the values of a condition that may change with time; that of a
         stream only where it `enters`.
         """
         options: dict[str, Any] = {}
-        if condition.temperature is not None and enters:
+        if condition.temperature is not None and inflow:
             options["inflow"] = float(
                 getattr(self.medium, phase).enthalpy(condition.temperature)
             )

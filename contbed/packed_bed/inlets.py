@@ -4,15 +4,15 @@ file are not known here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from contbed.packed_bed import scene as s
-from contbed.packed_bed.schedule import initial_range
+from contbed.packed_bed.schedule import PHASES, initial_temperatures
 from contbed.scene.mesh import Mesh, MeshFile
 from contbed.scene.mesh_checks import axis_of
 from contbed.scene.series import VelocitySeries
-from contbed.scene.toml_lines import dotted
+from contbed.scene.toml_lines import KeyPath, dotted
 
 
 def given_velocity(
@@ -28,16 +28,33 @@ def given_velocity(
     return None
 
 
+def key_of(
+    boundary: Mapping[str, s.Boundary], name: str, phase: str, *key: str
+) -> KeyPath:
+    """Return the key of the table of a phase at a boundary, or of a `key` in it."""
+    table = boundary.get(name)
+    return ("boundary", name, *(() if table is None else table.key(phase)), *key)
+
+
+def velocities_given(
+    boundary: Mapping[str, s.Boundary],
+) -> Iterator[tuple[str, str, Any, KeyPath]]:
+    """Yield phase, boundary, value and key of each velocity that is given first."""
+    for phase in PHASES:
+        given = given_velocity(boundary, phase)
+        if given is not None:
+            name, value = given
+            yield phase, name, value, key_of(boundary, name, phase, "velocity")
+
+
 def velocity_key(boundary: Mapping[str, s.Boundary], phase: str) -> str:
     """Return the key that gives the velocity of a phase; that of all boundaries at
     rest.
     """
     given = given_velocity(boundary, phase)
-    return (
-        "boundary"
-        if given is None
-        else dotted(("boundary", given[0], *boundary[given[0]].key(phase), "velocity"))
-    )
+    if given is None:
+        return "boundary"
+    return dotted(key_of(boundary, given[0], phase, "velocity"))
 
 
 def velocity_vector(
@@ -69,7 +86,7 @@ def bed_axis(mesh: Mesh, boundary: Mapping[str, s.Boundary]) -> int:
     the mesh is long.
     """
     found: set[int] = set()
-    for phase in ("fluid", "solid"):
+    for phase in PHASES:
         name, value = given_velocity(boundary, phase) or ("", 0.0)
         for each in value.values if isinstance(value, VelocitySeries) else (value,):
             if isinstance(each, tuple):
@@ -140,6 +157,4 @@ def inlet_temperature(scene: s.Scene) -> float:
                 return float(value)  # type: ignore[arg-type]  # frozen: numbers stand in place of series
     if scene.time is None:
         return 300.0
-    return 0.5 * sum(
-        initial_range(scene.initial.given("fluid"), "fluid", scene.origin.base)
-    )
+    return 0.5 * sum(initial_temperatures(scene, ["fluid"]))

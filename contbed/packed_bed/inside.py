@@ -174,10 +174,8 @@ def inside_of(
     biot = exchange / medium.area * radius / conductivity
     of_fluid, capacity = medium.capacities
     heat_fluid = of_fluid * float(np.linalg.norm(velocity))
-    speed, length = (
-        float(np.linalg.norm(velocity_solid)),
-        getattr(scene.mesh, "length", None),
-    )
+    speed = float(np.linalg.norm(velocity_solid))
+    length = getattr(scene.mesh, "length", None)
     units = (
         USUAL_UNITS
         if length is None or heat_fluid == 0.0

@@ -36,10 +36,8 @@ LAGS = 0.1
 def local_properties(plan: Plan, problem: Any, state: Any) -> LocalProperties:
     """Return the properties of the fluid at the temperatures of a state."""
     T, fluid = problem.system.part(state, "T_fluid"), plan.medium.fluid
-    expansion, viscosity = (
-        plan.medium.mass_flux_scale() / fluid.density(T),
-        fluid.viscosity(T),
-    )
+    expansion = plan.medium.mass_flux_scale() / fluid.density(T)
+    viscosity = fluid.viscosity(T)
     space = problem.system.fields["T_fluid"][0]
     return LocalProperties(
         space, *(np.broadcast_to(values, T.shape) for values in (expansion, viscosity))
@@ -69,12 +67,10 @@ def settled(
         with result.timed("heat"):
             found, history = problem.solve(plan.policy, state)
             result.history += history
-        change, state = (
-            float(
-                np.abs(problem.weights * (found - state)).max() / problem.span_of(found)
-            ),
-            found,
+        change = float(
+            np.abs(problem.weights * (found - state)).max() / problem.span_of(found)
         )
+        state = found
         if change <= allowed:
             report_flow(plan, line, flow, result)
             return problem, state

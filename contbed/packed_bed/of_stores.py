@@ -21,7 +21,7 @@ import numpy as np
 from contbed.arrays import Array
 from contbed.fem.probe import Line
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.schedule import ScheduleInterval, initial_range
+from contbed.packed_bed.schedule import ScheduleInterval, initial_temperatures
 from contbed.result import Result
 from contbed.scene.mesh import power_units
 
@@ -182,8 +182,7 @@ def _temperatures(plan: Plan, intervals: Intervals) -> list[float] | None:
     if not found or scene.time is None:
         return None
     if scene.time.cycle is None:
-        initial, base = scene.initial, scene.origin.base
-        found += initial_range(initial.given("solid"), "solid", base)
+        found += initial_temperatures(scene, ["solid"])
     return found
 
 

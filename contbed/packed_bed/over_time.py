@@ -6,12 +6,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from contbed.course.cycle import MOST, Period, Search, periods
+from contbed.course.cycle import MOST, Period, periods
 from contbed.course.history import Saver
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Line
 from contbed.output.progress import Progress
-from contbed.packed_bed.cycle import HeatCycle
 from contbed.packed_bed.of_stores import store_findings
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.results import transient_findings
@@ -147,17 +146,12 @@ def _cycle(
     """
     time = steps.plan.scene.time
     assert time is not None and time.cycle is not None
-    search = Search(steps.begin())
-    if start is not None:
-        search = Search.unpack(search.begin, *start)
     steps.accounts = False
     tolerance = time.cycle.tolerance
     with Progress(time.end, "s", quiet) as progress:
-
-        def watch(before: HeatHistory, after: HeatHistory, period: int) -> None:
-            progress.advance_to(after.time, f"period {period}")
-
-        for period in periods(HeatCycle(steps), search, tolerance, saver.offer, watch):
+        for period in periods(
+            steps, steps.begin(), start, tolerance, saver.offer, progress.advance_to
+        ):
             if period.closed:
                 steps.accounts = True
                 return period

@@ -14,6 +14,7 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.inlets import role, velocity_vector
 from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
+from contbed.packed_bed.schedule import PHASES, thermal_conditions
 from contbed.scene.mesh import (
     MeshAxisymmetric,
     MeshFile,
@@ -27,10 +28,10 @@ def velocities(scene: s.Scene) -> tuple[Any, Any]:
     scene [m/s].
     """
     fluid, solid = (
-        velocity_vector(scene.mesh, scene.boundary, phase)
-        for phase in ("fluid", "solid")
+        np.array(velocity_vector(scene.mesh, scene.boundary, phase), dtype=float)
+        for phase in PHASES
     )
-    return np.array(fluid, dtype=float), np.array(solid, dtype=float)
+    return fluid, solid
 
 
 def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
@@ -43,15 +44,7 @@ def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
     ):
         return None
     axis = mesh.axis
-    vectors = [
-        velocity_vector(mesh, scene.boundary, phase) for phase in ("fluid", "solid")
-    ]
-    if any(
-        component
-        for vector in vectors
-        for k, component in enumerate(vector)
-        if k != axis
-    ):
+    if np.any([np.delete(vector, axis) for vector in velocities(scene)]):
         return None
     low, high = mesh.sides[axis]
     for name, table in scene.boundary.items():
@@ -120,23 +113,14 @@ def tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
     )
     if modes(scene) or np.any(solid) or spreads:
         return False
-    ends = [
-        condition
-        for table in scene.boundary.values()
-        if (condition := table.thermal("fluid")) is not None
-    ]
-    if any(
-        isinstance(scene.initial.given(phase), ProfileFile)
-        for phase in ("fluid", "solid")
-    ):
+    if any(isinstance(scene.initial.given(phase), ProfileFile) for phase in PHASES):
         return False
+    tables = scene.boundary.values()
     only_inlet = all(
         condition.fixed_temperature is not None or condition.temperature is not None
-        for condition in ends
+        for condition in thermal_conditions(tables, ["fluid"])
     )
-    solid_free = all(
-        table.thermal("solid") is None for table in scene.boundary.values()
-    )
+    solid_free = not thermal_conditions(tables, ["solid"])
     T = medium.T_fluid_in
     still = (
         not medium.conductivity_fluid(T)

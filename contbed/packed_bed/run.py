@@ -11,6 +11,7 @@ from contbed.balance import Balance
 from contbed.fem.probe import Line, line_along
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.scene import Scene
+from contbed.packed_bed.schedule import PHASES
 from contbed.packed_bed.shared import (
     Solved,
     check_state,
@@ -261,6 +262,6 @@ def _capacity(phase: Any) -> float:
 
 
 def _start_of_fronts(scene: Scene) -> tuple[float, float]:
-    gas, solid = (scene.initial.given(phase) for phase in ("fluid", "solid"))
+    gas, solid = (scene.initial.given(phase) for phase in PHASES)
     assert isinstance(gas, float) and isinstance(solid, float)  # `plan` sees to it
     return gas, solid

@@ -11,10 +11,9 @@ it is cut at every kink.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,7 @@ from contbed.scene.toml_lines import KeyPath
 from contbed.scene.values import with_value
 
 VELOCITY = "velocity"
-VALUES = ("fixed_temperature", "temperature", "heat_flux", "ambient")
+
 KELVIN = ("fixed_temperature", "temperature", "ambient")  # those that are temperatures
 PHASES = ("fluid", "solid")
 
@@ -104,15 +103,10 @@ def kinks_passed(schedule: Schedule, scene: s.Scene) -> dict[KeyPath, float] | N
     """Return the sizes of kinks that a step may pass in a transient scene, None for
     none of them.
     """
-    time, base = scene.time, scene.origin.base
+    time = scene.time
     if time is None or time.step is not None or time.cycle is not None:
         return None
-    starts = [
-        T
-        for phase in PHASES
-        for T in initial_range(scene.initial.given(phase), phase, base)
-    ]
-    return schedule.small(time.tolerance, starts)
+    return schedule.small(time.tolerance, initial_temperatures(scene))
 
 
 def flow_changes(schedule: Schedule) -> bool:
@@ -120,21 +114,45 @@ def flow_changes(schedule: Schedule) -> bool:
     return any(path[-1] == VELOCITY for path in schedule.samples)
 
 
-def initial_range(
-    value: float | ProfileFile, phase: str, base: Path
-) -> tuple[float, float]:
-    """Return the lowest and highest temperature at the start [K]."""
-    if not isinstance(value, ProfileFile):
-        return value, value
-    T = value.samples(base, f"T_{phase}")[1]
-    return float(T.min()), float(T.max())
+def initial_temperatures(scene: s.Scene, phases: Iterable[str] = PHASES) -> list[float]:
+    """Return the lowest and highest temperature of phases at the start [K]; none of a
+    steady scene.
+    """
+    found: list[float] = []
+    for phase in phases if scene.time is not None else ():
+        value = scene.initial.given(phase)
+        if isinstance(value, ProfileFile):
+            T = value.samples(scene.origin.base, f"T_{phase}")[1]
+            found += [float(T.min()), float(T.max())]
+        else:
+            found += [value, value]
+    return found
 
 
-def initial_values(value: float | ProfileFile, phase: str, base: Path, x: Array) -> Any:
+def initial_values(scene: s.Scene, phase: str, x: Array) -> Any:
     """Return the initial temperature of a phase, a number or one for each position
     (n,) [m] along the bed [K].
     """
+    value = scene.initial.given(phase)
     if not isinstance(value, ProfileFile):
         return value
-    positions, T = value.samples(base, f"T_{phase}")
+    positions, T = value.samples(scene.origin.base, f"T_{phase}")
     return np.interp(x, positions, T)
+
+
+def thermal_conditions(
+    tables: Iterable[s.Boundary], phases: Iterable[str] = PHASES
+) -> list[s.PhaseCondition]:
+    """Return the thermal conditions of phases on boundaries."""
+    found = [table.thermal(phase) for table in tables for phase in phases]
+    return [condition for condition in found if condition is not None]
+
+
+def temperatures_given(scene: s.Scene) -> list[Any]:
+    """Return all temperatures that the boundaries and the start of a scene give [K]."""
+    found = [
+        getattr(condition, key)
+        for condition in thermal_conditions(scene.boundary.values())
+        for key in KELVIN
+    ]
+    return [T for T in found if T is not None] + initial_temperatures(scene)

@@ -8,7 +8,7 @@ import inspect
 from functools import partial, wraps
 from typing import Any
 
-from contbed.course.schedule import boundaries_in_time, series_of
+from contbed.course.schedule import boundaries_in_time
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.inlets import (
@@ -18,26 +18,17 @@ from contbed.packed_bed.inlets import (
     velocity_key,
     velocity_vector,
 )
-from contbed.packed_bed.schedule import VELOCITY
+from contbed.packed_bed.schedule import PHASES, VELOCITY
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh, MeshFile
 from contbed.scene.profile import outside_of_the_bed, short_of_an_end
-from contbed.scene.series import ProfileFile
-from contbed.scene.series_checks import series_is_usable
+from contbed.scene.series import ProfileFile, series_of
 from contbed.scene.toml_lines import Origin, parse_key
 from contbed.scene.values import with_value
 
 Boundaries = dict[str, s.Boundary]
-PHASES = ("fluid", "solid")
+
 NAMES = {"fluid": "gas", "solid": "solid"}
-
-
-def series_are_usable(
-    boundary: Boundaries, time: s.Time | None, see: See, origin: Origin
-) -> Mistakes:
-    """Check that series can be read, begin at 0 and last as long as the run."""
-    for path, series in series_of(boundary, ("boundary",)):
-        yield from series_is_usable(path, series, time, see, origin)
 
 
 def require_flow(scene: s.Scene) -> None:

@@ -15,7 +15,7 @@ from contbed.errors import ConvergenceError
 from contbed.fem.probe import Line
 from contbed.materials.common import extrapolation
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.schedule import ScheduleInterval
+from contbed.packed_bed.schedule import PHASES, ScheduleInterval
 from contbed.result import Result, outside
 from contbed.scene.boundary import conditions_of
 
@@ -133,7 +133,7 @@ def check_state(plan: Plan, problem: Any, states: list[Any], result: Result) -> 
     result.warnings += [
         outside(closure) for closure in result.closures if closure["share_outside"] > 0
     ]
-    for phase in ("fluid", "solid"):
+    for phase in PHASES:
         material = getattr(plan.medium, phase)
         values = problem.system.part(states[-1], f"T_{phase}")
         if text := extrapolation(

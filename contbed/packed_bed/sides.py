@@ -15,14 +15,14 @@ lies outside of those given (maximum principle), the second by the balance alone
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.recognition import reduced, velocities
-from contbed.packed_bed.schedule import initial_range
+from contbed.packed_bed.schedule import temperatures_given, thermal_conditions
 from contbed.plan_text import percent
 from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 
@@ -47,30 +47,21 @@ def lines_of(
     if not scene.solver.reduce:
         return [None for _ in flows], ""
     if all(lines):
-        return list(
-            lines
-        ), "plug flow between adiabatic walls varies along the bed only"
+        return lines, "plug flow between adiabatic walls varies along the bed only"
     error = None if changes else error_without_sides(scene, medium)
     if error is None:
-        return list(lines), ""
+        return lines, ""
     accuracy = scene.solver.accuracy
     text = (
         f"heat through the sides changes the outlet by at most {percent(error)} of "
         "the temperature span"
     )
     if accuracy is None:
-        return list(
-            lines
-        ), f"{text}; the sides are resolved, as solver.accuracy is not given"
+        return lines, f"{text}; the sides are resolved, as solver.accuracy is not given"
+    limit = f"solver.accuracy = {100.0 * accuracy:g} %"
     if error > accuracy:
-        return (
-            list(lines),
-            f"{text}, above solver.accuracy = {100.0 * accuracy:g} %: the sides are "
-            "resolved",
-        )
-    return [
-        on_a_line(scene)
-    ], f"{text}, within solver.accuracy = {100.0 * accuracy:g} %: solved in 1-D"
+        return lines, f"{text}, above {limit}: the sides are resolved"
+    return [on_a_line(scene)], f"{text}, within {limit}: solved in 1-D"
 
 
 def without_sides(scene: s.Scene) -> s.Scene:
@@ -127,7 +118,7 @@ def error_without_sides(scene: s.Scene, medium: Medium) -> float | None:
             for name in names
             if name in scene.boundary and k != axis
         ]
-        for condition in _conditions(tables):
+        for condition in thermal_conditions(tables):
             if condition.heat_flux is not None:
                 given += abs(float(condition.heat_flux)) * share / (carried * span)  # type: ignore[arg-type]  # frozen
             else:
@@ -135,16 +126,9 @@ def error_without_sides(scene: s.Scene, medium: Medium) -> float | None:
                     condition.coefficient, medium.T_fluid_in, lambda density: relative
                 )
                 exchanged += float(wall) * share / carried
-    fluxes = given > 0.0 or any(
-        condition.heat_flux for condition in _conditions(scene.boundary.values())
-    )
+    everywhere = thermal_conditions(scene.boundary.values())
+    fluxes = given > 0.0 or any(condition.heat_flux for condition in everywhere)
     return None if exchanged and fluxes else exchanged + given
-
-
-def _conditions(tables: Iterable[s.Boundary]) -> Iterator[s.PhaseCondition]:
-    for table in tables:
-        both = (table.thermal("fluid"), table.thermal("solid"))
-        yield from (condition for condition in both if condition is not None)
 
 
 def _leaves_off(table: s.Boundary) -> bool:
@@ -153,7 +137,7 @@ def _leaves_off(table: s.Boundary) -> bool:
         return False
     return all(
         each.coefficient is not None or each.heat_flux is not None
-        for each in _conditions([table])
+        for each in thermal_conditions([table])
     )
 
 
@@ -167,11 +151,5 @@ def _carried(medium: Medium, fluid: float, solid: float) -> float | None:
 
 def _span(scene: s.Scene) -> float:
     """Return the span of all temperatures that a scene gives [K]."""
-    found: list[float] = []
-    for each in _conditions(scene.boundary.values()):
-        temperatures = (each.fixed_temperature, each.temperature, each.ambient)
-        found += [float(T) for T in temperatures if T is not None]  # type: ignore[arg-type]
-    if scene.time is not None:
-        for phase in ("fluid", "solid"):
-            found += initial_range(scene.initial.given(phase), phase, scene.origin.base)
-    return max(found) - min(found) if found else 0.0
+    found = temperatures_given(scene)
+    return float(max(found) - min(found)) if found else 0.0

@@ -11,7 +11,7 @@ import numpy as np
 from contbed.arrays import Array
 from contbed.fem.ad.dual import plain
 from contbed.fem.skfem import Ops
-from contbed.packed_bed.heat import PHASES
+from contbed.packed_bed.schedule import PHASES
 
 Streams = dict[str, tuple[float, float]]
 
@@ -34,7 +34,7 @@ def streams(problem: Any, state: Any) -> tuple[Streams, Streams]:
             [part],
             state,
         )
-        phase = wall.name.removeprefix("T_")
+        phase = wall.phase
         condition = problem.build.condition(name, phase)
         if out < 0 and condition is not None and condition.temperature is not None:
             # conduction makes the bed differ from the stream that enters it
@@ -63,16 +63,12 @@ class Outlets:
         self.node: dict[str, int] | None = None
         if problem.mesh.skfem.dim() == 1:
             leaving, _ = streams(problem, state)
-            out = {
-                wall.name.removeprefix("T_"): problem.system.nodes(
-                    wall.name, problem.mesh.skfem.boundaries[name]
-                )
+            ends = problem.mesh.skfem.boundaries
+            self.node = {
+                wall.phase: int(problem.system.nodes(wall.name, ends[name])[0])
                 for name, part, wall in problem.boundary_terms
-                if wall.mass_flux is not None
-                and wall.name.removeprefix("T_") in leaving
-                and _leaves(part, wall)
+                if wall.phase in leaving and _leaves(part, wall)
             }
-            self.node = {phase: int(nodes[0]) for phase, nodes in out.items()}
 
     def __call__(self, time: float, state: Any) -> tuple[float, ...]:
         """Return the time [s] and the temperature of each phase [K], NaN for one
@@ -88,6 +84,8 @@ class Outlets:
 
 
 def _leaves(part: Any, wall: Any) -> bool:
+    if wall.mass_flux is None:
+        return False
     return float(np.sum(part.weight * plain(Ops.dot(wall.mass_flux, part.n)))) > 0.0
 
 

@@ -54,11 +54,9 @@ class Repeated:
 
     def __init__(self, result: Result):
         self.plan: Any = result.plan
-        self.flow, self.shares, self.flows = (
-            result.solved.flow,
-            result.solved.shares,
-            result.solved.flows,
-        )
+        self.flow = result.solved.flow
+        self.shares = result.solved.shares
+        self.flows = result.solved.flows
 
     def results(
         self, below: s.Scene, above: s.Scene
@@ -163,11 +161,9 @@ class Steady:
     def __init__(self, result: Result):
         self.plan: Any = result.plan
         self.line: Line = result.solved.line
-        self.problem, self.state, self.flow = (
-            result.solved.problem,
-            result.solved.state,
-            result.solved.flow,
-        )
+        self.problem = result.solved.problem
+        self.state = result.solved.state
+        self.flow = result.solved.flow
         self._flow: Response | None = None
         self._heat: Response | None = None
 

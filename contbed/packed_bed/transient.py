@@ -123,6 +123,23 @@ class HeatSteps(DirkSteps[HeatHistory]):
         history = HeatHistory(state=state, size=first, vertices=vertices)
         return history.keeping(0.0) if self.outputs[0] == 0.0 else history
 
+    def scale(self, after: HeatHistory) -> Any:
+        """Return the span of temperatures, as that of each unknown."""
+        return self.span / np.broadcast_to(self.problem.weights, after.state.shape)
+
+    def stored(self, state: Any, scale: Any) -> Any:
+        """Return the state over its scale: all of it is stored."""
+        return state / scale
+
+    def begun(self, values: Any, scale: Any, after: HeatHistory) -> HeatHistory:
+        """Return the history at the start of a period from an extrapolated state."""
+        return self.again(replace(after, state=values * scale))
+
+    def again(self, after: HeatHistory) -> HeatHistory:
+        """Return the history at the start of a period from a state."""
+        first, vertices = self.control.first, after.vertices
+        return HeatHistory(state=after.state, size=first, vertices=vertices)
+
     def stops(self) -> list[float]:
         """Return the times of jumps and kinks, and the end [s]."""
         ends = [each.end for each in self.intervals if each is not None]

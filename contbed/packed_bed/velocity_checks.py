@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from contbed.errors import SceneError
-from contbed.packed_bed.inlets import enters, given_velocity
+from contbed.packed_bed.inlets import enters, key_of, velocities_given
+from contbed.packed_bed.schedule import PHASES
 from contbed.packed_bed.schedule_checks import (
     NAMES,
-    PHASES,
     Boundaries,
     at_each_time,
 )
@@ -24,33 +24,24 @@ def velocities_fit_the_mesh(mesh: Mesh, boundary: Boundaries, see: See) -> Mista
     """Check that velocities have as many components as the mesh has dimensions, and
     enter where they are given.
     """
-    for phase in PHASES:
-        given = given_velocity(boundary, phase)
-        if given is None:
-            continue
-        name, value = given
-        key = ("boundary", name, *boundary[name].key(phase), "velocity")
-        radial = isinstance(mesh, MeshAxisymmetric) and name == "wall"
-        if not isinstance(value, tuple):
-            if radial and value:
-                yield (
-                    key,
-                    "the radial velocity is 0 in an axisymmetric bed; see "
-                    f"{see('mesh.type')}",
-                )
-        elif len(value) != mesh.dimension:
+    for phase, name, value, key in velocities_given(boundary):
+        radial = 0.0
+        if isinstance(mesh, MeshAxisymmetric):
+            into = value if name == "wall" else 0.0
+            radial = value[0] if isinstance(value, tuple) else into
+        if isinstance(value, tuple) and len(value) != mesh.dimension:
             yield (
                 key,
                 f"has {len(value)} components, the mesh has {mesh.dimension} "
                 f"dimensions; see {see('mesh.type')}",
             )
-        elif isinstance(mesh, MeshAxisymmetric) and value[0] != 0:
+        elif radial:
             yield (
                 key,
                 "the radial velocity is 0 in an axisymmetric bed; see "
                 f"{see('mesh.type')}",
             )
-        elif any(value) and enters(mesh, value, name) == 0:
+        elif isinstance(value, tuple) and any(value) and enters(mesh, value, name) == 0:
             yield (
                 key,
                 f"runs along '{name}'; give it at the boundary where the "
@@ -64,16 +55,13 @@ def velocities_on_mesh_files_are_vectors(
     """Check that velocities in a mesh file are vectors; say which one a number
     means.
     """
-    for phase in PHASES:
-        given = given_velocity(boundary, phase)
-        if given is None or not isinstance(mesh, MeshFile):
-            continue
-        name, value = given
+    if not isinstance(mesh, MeshFile):
+        return
+    for _, name, value, key in velocities_given(boundary):
         numbers = value.values if isinstance(value, VelocitySeries) else (value,)
         number = next((each for each in numbers if not isinstance(each, tuple)), None)
         if number is None:
             continue
-        key = ("boundary", name, *boundary[name].key(phase), "velocity")
         normal = _outward_normal(mesh, name, origin.base)
         if normal is None:
             yield key, "give a list, the vector of the velocity in the mesh"
@@ -106,7 +94,7 @@ def velocities_are_given_once(boundary: Boundaries, see: See) -> Mistakes:
     """Check that one boundary gives the velocity of a phase."""
     for phase in PHASES:
         given = [
-            ("boundary", name, *table.key(phase), "velocity")
+            key_of(boundary, name, phase, "velocity")
             for name, table in boundary.items()
             if (condition := table.condition(phase)) is not None
             and condition.velocity is not None
@@ -121,14 +109,12 @@ def velocities_are_given_once(boundary: Boundaries, see: See) -> Mistakes:
 
 def velocities_of_files_are_steps(boundary: Boundaries) -> Mistakes:
     """Look for velocities from a file, whose rows are seldom meant as steps."""
-    for phase in PHASES:
-        given = given_velocity(boundary, phase)
-        if given is None or not isinstance(given[1], VelocitySeries):
+    for _, _, value, key in velocities_given(boundary):
+        if not isinstance(value, VelocitySeries):
             continue
-        name, value = given
         if value.file is not None and "form" not in value.model_fields_set:
             yield (
-                ("boundary", name, *boundary[name].key(phase), "velocity"),
+                key,
                 "holds from each row of the file to the next, while temperatures change "
                 'linearly; write form = "step" if that is meant, or give closer rows',
             )

@@ -170,10 +170,8 @@ class Pellets:
             x={name: z / molar for name, z in inside.items()},
             films={},
         )
-        rates, slopes = (
-            np.zeros((len(self.reactions), N, count)),
-            np.zeros((len(self.reactions), inputs, N, count)),
-        )
+        rates = np.zeros((len(self.reactions), N, count))
+        slopes = np.zeros((len(self.reactions), inputs, N, count))
         for j, found in enumerate(rates_of(self.reactions, lambda _: local)):
             value = getattr(found, "value", found)
             rates[j] = np.broadcast_to(value, N * count).reshape(N, count)

@@ -98,10 +98,8 @@ def _reactions(scene: s.ReactingScene, species: Substances) -> list[Reaction]:
         if not running:
             found += reactions_of(name, table, species.plain)
         for phase in running:
-            own, with_effectiveness = (
-                species.phases[phase],
-                scene.solids[phase].inside.mass == "effectiveness",
-            )
+            own = species.phases[phase]
+            with_effectiveness = scene.solids[phase].inside.mass == "effectiveness"
             for each in reactions_of(name, table, own, with_effectiveness):
                 full = own.full(each.name) if len(running) > 1 else each.name
                 found.append(replace(each, name=full, phase=phase, alone=each.name))

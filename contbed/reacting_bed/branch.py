@@ -15,7 +15,7 @@ from contbed.errors import ConvergenceError
 from contbed.fields import unit_of
 from contbed.reacting_bed import cells, solve
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.results import ends, values_at
+from contbed.reacting_bed.results import at_end, ends, state_at_ends
 from contbed.result import Result
 from contbed.scene.toml_lines import parse_key
 from contbed.scene.values import value_at, with_value
@@ -155,15 +155,13 @@ def _leaving(problem: Problem, x: Array) -> dict[str, float]:
     """Return what leaves at a point of a branch."""
     u = x.reshape(len(problem.names), problem.line.cells, -1)
     end = ends(problem)[0]
-    state = values_at(problem, u, problem.line.vertices[[0, -1]])
+    state = state_at_ends(problem, u)
     row = {}
     for name, value in (
         ("T_fluid_out_K", state.T_fluid),
         ("T_solid_out_K", state.T_solid),
     ):
-        row[f"{name.removesuffix('_K')} [{unit_of(name)}]"] = float(
-            np.broadcast_to(value, (2,))[end]
-        )
+        row[f"{name.removesuffix('_K')} [{unit_of(name)}]"] = at_end(value, end)
     return row | {
         f"x_{name}_out [1]": float(value[end]) for name, value in state.x.items()
     }

@@ -76,10 +76,7 @@ class Course:
         ------
         ConvergenceError : these are not found
         """
-        moments = [
-            problem.within(schedule.frozen(scene, moment))
-            for moment in schedule.moments() or [0.0]
-        ]
+        moments = problem.at_moments(scene, schedule)
         initial = initial_of(scene, problem)
         peaks = _peaks(scene, moments, initial)
         problem = problem.with_small(
@@ -173,7 +170,7 @@ class Course:
         """Return the state at the start (m, N, p + 1)."""
         problem, initial = self.problem, self.scene.initial
         T = initial.gas_temperature or problem.streams.T_gas
-        u, moles = problem.start(T), sum(problem.streams.gas.values())
+        u, moles = problem.start(T), problem.streams.moles
         for k in problem.rows(Role.T_SOLID):
             table = initial.solids.get(str(problem.unknowns[k].phase))
             u[k] = (initial.temperature or T) if table is None else table.temperature
@@ -258,7 +255,7 @@ def _peaks(
 ) -> dict[str, float]:
     """Return the largest mole fraction of each gas that enters or fills the bed."""
     parts = [
-        {name: g / sum(at.streams.gas.values()) for name, g in at.streams.gas.items()}
+        {name: g / at.streams.moles for name, g in at.streams.gas.items()}
         for at in moments
     ]
     if scene.initial.gas.composition is not None:

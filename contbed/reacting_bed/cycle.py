@@ -20,47 +20,19 @@ of the start.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contbed.arrays import Array, Flags
 from contbed.reacting_bed.equations.unknowns import LEAST_T
-from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import gas_of_rings, stored_rows
-from contbed.reacting_bed.transient import BedSteps, begin, turned
 
 # of the size of temperatures, by which an extrapolated one may leave those at the end
 # of a period
 BEYOND = 0.5
-
-
-class BedCycle:
-    """What a reacting bed says of its cycle."""
-
-    def __init__(self, steps: BedSteps):
-        self.steps = steps
-
-    def scale(self, after: BedHistory) -> Array:
-        """Return the sizes of the unknowns (m,)."""
-        return self.steps.course.sizes(after.state)
-
-    def stored(self, state: Array, scale: Array) -> Array:
-        """Return what is stored of a state, over its sizes."""
-        return Stored.of(self.steps.course.problem, scale).values(state)
-
-    def begun(self, values: Array, scale: Array, after: BedHistory) -> BedHistory:
-        """Return the history at the start of a period from extrapolated values."""
-        stored = Stored.of(self.steps.course.problem, scale)
-        return self.again(replace(after, state=stored.bounded(values, after.state)))
-
-    def again(self, after: BedHistory) -> BedHistory:
-        """Return the history at the start of a period that follows another."""
-        course = self.steps.course
-        history = begin(course, turned(course.problem, after.state))
-        return replace(history, damping=after.damping, extents=after.extents)
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,10 +32,10 @@ def least_left(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -> 
     if not adsorbed:
         return 1.0
     shares = []
-    for moment in schedule.moments() or [0.0]:
-        gas = problem.within(schedule.frozen(scene, moment)).streams.gas
+    for at in problem.at_moments(scene, schedule):
+        gas = at.streams.gas
         left = sum(moles for name, moles in gas.items() if name not in adsorbed)
-        shares.append(left / sum(gas.values()))
+        shares.append(left / at.streams.moles)
     return float(min(shares))
 
 

@@ -67,7 +67,7 @@ class Profile:
 
     def fill(self, problem: Problem, u: Array) -> None:
         """Replace what the file says in a state (m, N, p + 1)."""
-        moles = sum(problem.streams.gas.values())
+        moles = problem.streams.moles
         for k, each in enumerate(problem.unknowns):
             found: Any = self.temperatures.get(each.name, self.amounts.get(each.name))
             if each.role is Role.GAS and self.fractions:

@@ -13,13 +13,12 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import Discriminator, Tag
 
 from contbed.arrays import Array
 from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions
 from contbed.scene.quantities import unit
-from contbed.scene.series import Samples, Series, how_written
+from contbed.scene.series import OrSeries, Samples, Series
 
 SUM = 2e-3  # by which fractions with three digits may miss one
 MassFlux = Annotated[float, *unit("kg/m**2/s")]
@@ -119,19 +118,7 @@ def constant(value: Any) -> float:
     return float(value)
 
 
-MassFluxOrSeries = Annotated[
-    Annotated[MassFlux, Tag("number")] | Annotated[MassFluxSeries, Tag("series")],
-    Discriminator(how_written),
-]
-MolarFluxOrSeries = Annotated[
-    Annotated[MolarFlux, Tag("number")] | Annotated[MolarFluxSeries, Tag("series")],
-    Discriminator(how_written),
-]
-SpeedOrSeries = Annotated[
-    Annotated[Speed, Tag("number")] | Annotated[SpeedSeries, Tag("series")],
-    Discriminator(how_written),
-]
-CompositionOrSeries = Annotated[
-    Annotated[str, Tag("number")] | Annotated[CompositionSeries, Tag("series")],
-    Discriminator(how_written),
-]
+MassFluxOrSeries = OrSeries[MassFlux, MassFluxSeries]
+MolarFluxOrSeries = OrSeries[MolarFlux, MolarFluxSeries]
+SpeedOrSeries = OrSeries[Speed, SpeedSeries]
+CompositionOrSeries = OrSeries[str, CompositionSeries]

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from contbed.chemistry.laws import find_law, is_catalytic, species_in
-from contbed.course.schedule import series_of
 from contbed.errors import SceneError
 from contbed.materials.composition import names_in
 from contbed.reacting_bed import scene as s
@@ -25,6 +24,7 @@ from contbed.reacting_bed.substances import (
 )
 from contbed.scene.checking import Mistakes
 from contbed.scene.names import nearest
+from contbed.scene.series import series_of
 from contbed.scene.toml_lines import KeyPath, Origin
 
 PARTICLES_REACT = (

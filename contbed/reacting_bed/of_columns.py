@@ -30,14 +30,13 @@ def column_findings(course: Course, history: BedHistory) -> dict[str, float]:
         return separated(course, rows)
     found: dict[str, float] = {}
     streams = course.at(0.0, before=False).streams
-    total = sum(streams.gas.values())
     until = course.cuts[1] * (1 + SAME) if course.schedule else np.inf
     first = rows["t [s]"] <= until
     for name in sorted(adsorbed):
         if entering := streams.gas.get(name, 0.0):
             x = rows[f"x_{name} [1]"]
             shares = (
-                x * total / entering,
+                x * streams.moles / entering,
                 x * rows[FLOW] / entering,
             )
             curve = np.array([rows["t [s]"], *shares])[:, first]

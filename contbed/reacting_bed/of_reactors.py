@@ -73,8 +73,7 @@ def space_velocities(problem: Problem) -> dict[str, float]:
     the bed, and its mass over that of the particles in which gases react.
     """
     streams, per_hour = problem.streams, HOUR / problem.scene.mesh.length
-    moles = abs(sum(streams.gas.values()))
-    found = {"GHSV_1_h": per_hour * moles * R_GAS * T_NORMAL / P_NORMAL}
+    found = {"GHSV_1_h": per_hour * problem.moles * R_GAS * T_NORMAL / P_NORMAL}
     gases = set(problem.species.gases)
     catalysts = {
         str(each.phase)

@@ -17,7 +17,7 @@ from contbed.errors import ConvergenceError
 from contbed.output.progress import Progress
 from contbed.reacting_bed import solve
 from contbed.reacting_bed.course import Course
-from contbed.reacting_bed.cycle import BedCycle, Stored
+from contbed.reacting_bed.cycle import Stored
 from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.least_amounts import finer
 from contbed.reacting_bed.problem import Problem
@@ -106,16 +106,14 @@ class _Infeasible(ConvergenceError):
 
 def _advice(course: Course, history: BedHistory) -> str:
     """Return what to try where steps fail at a state."""
-    problem, stops = (
-        course.at(history.time, before=False),
-        "it would flow back from the other end",
-    )
+    problem = course.at(history.time, before=False)
+    stops = "it would flow back from the other end"
     if (without := rate_without_value(problem, history.state)) is not None:
         return (
             f"{without}: add a small amount to what it divides by, such as c_X + 1e-6"
         )
     gases = slice(len(problem.layout.gases))
-    enters = abs(sum(problem.streams.gas.values()))
+    enters = problem.moles
     u = turned(problem, history.state)
     taken = -float(problem.mean(problem.system.sources(u))[gases].sum())
     cooled = _contraction(problem, u)
@@ -184,15 +182,7 @@ def searched(
     course = steps.course
     assert course.time.cycle is not None
     first = begin(course, turned(course.problem, course.start()))
-    search = Search(first)
-    if start is not None:
-        search = Search.unpack(first, *start)
-
-    def watch(before: BedHistory, after: BedHistory, period: int) -> None:
-        advance(after.time, f"period {period}")
-
-    tolerance = course.time.cycle.tolerance
-    return periods(BedCycle(steps), search, tolerance, save, watch)
+    return periods(steps, first, start, course.time.cycle.tolerance, save, advance)
 
 
 def cycle_findings(course: Course, period: Period) -> dict[str, float]:

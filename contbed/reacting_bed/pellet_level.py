@@ -108,10 +108,8 @@ def missed(scene: s.ReactingScene, problem: Problem, species: Substances) -> flo
     }
     held: dict[str, float] = {}
     for phase, table in _with_diffusivities(scene).items():
-        gases, inside = (
-            species.gases,
-            [r for r in problem.reactions if r.phase == phase],
-        )
+        gases = species.gases
+        inside = [r for r in problem.reactions if r.phase == phase]
         chosen = [
             r
             for r in inside

@@ -158,8 +158,7 @@ def _with_other_gases(
     """
     known = {_gases_there(problem)}
     composed = any(samples.species for samples in schedule.samples.values())
-    for moment in schedule.moments() if composed else ():
-        at = problem.within(schedule.frozen(scene, moment))
+    for at in problem.at_moments(scene, schedule) if composed else ():
         if (there := _gases_there(at)) not in known:
             known.add(there)
             yield at
@@ -179,11 +178,7 @@ def _gas_storage(
     time = scene.time
     if time is None:
         return False, ""
-    moments = schedule.moments() or [0.0]
-    delay = max(
-        problem.within(schedule.frozen(scene, moment)).gas_residence
-        for moment in moments
-    )
+    delay = max(at.gas_residence for at in problem.at_moments(scene, schedule))
     shortest = shortest_interval(schedule, scene, SHORT_RESIDENCE * delay)
     what = (
         "the run"

@@ -176,16 +176,12 @@ def _within(
     """
     flat = flattening(problems[1], dt)
     below = -problems[1].scene.solver.newton_tolerance
-    rest, stored = (
-        at_rest(problems[1])[:, None, None],
-        problems[1].bed.gas_pressure is not None,
-    )
+    rest = at_rest(problems[1])[:, None, None]
+    stored = problems[1].bed.gas_pressure is not None
     damping, without = found.damping, found.error
-    ended, before, chosen = (
-        np.zeros(found.states[1].shape, dtype=bool),
-        np.zeros_like(damping),
-        False,
-    )
+    ended = np.zeros(found.states[1].shape, dtype=bool)
+    before = np.zeros_like(damping)
+    chosen = False
     for _ in range(TRIALS):
         wrong = (look.low < below) & (flat > 0.0)
         empty = rest & (look.nodes < below)

@@ -16,6 +16,7 @@ from contbed.arrays import Array, Flags
 from contbed.chemistry.kinetics import Reaction
 from contbed.chemistry.local import Local, Smoothing
 from contbed.chemistry.thermo import R_GAS
+from contbed.course.schedule import Schedule
 from contbed.fem.line_dg import Ends, Line, System
 from contbed.fem.line_projection import projected
 from contbed.particle.pellets import Pellets
@@ -80,7 +81,7 @@ class Problem:
 
     def _with_inside(self) -> Problem:
         """Return the problem whose particles take up gas."""
-        at_inlet = self._state_entering()
+        at_inlet = self.state_entering()
         bed, choices = with_inside(self.scene, self.bed, at_inlet)
         return replace(self, bed=bed, choices=choices).with_peaks(at_inlet.x)
 
@@ -120,6 +121,13 @@ class Problem:
         return replace(
             self, scene=scene, streams=entering, bed=within(self.bed, scene, entering)
         )
+
+    def at_moments(self, scene: s.ReactingScene, schedule: Schedule) -> list[Problem]:
+        """Return the problem with the streams of each time at which a series of a
+        scene has a value; of the start where there are none.
+        """
+        moments = schedule.moments() or [0.0]
+        return [self.within(schedule.frozen(scene, moment)) for moment in moments]
 
     def with_strength(self, strength: float) -> Problem:
         """Return the problem with all rates multiplied by a factor."""
@@ -182,9 +190,8 @@ class Problem:
         """Equations on the line."""
         point, coupling = self.section or self.bed, self.bed.coupling()
         if coupling is not None and self.rings is not None:
-            coupling = np.asarray(
-                np.kron(np.eye(self.rings.count), coupling), dtype=float
-            )
+            rings = np.eye(self.ring_count)
+            coupling = np.asarray(np.kron(rings, coupling), dtype=float)
         exchanged = (self._directions, self._diffuses, point, self._ends, self._local)
         damping = (
             None if self.damping is None else self.gas_signs[:, None] * self.damping
@@ -215,15 +222,20 @@ class Problem:
         assert diameter is not None  # `checks` sees to it
         return Parts(section.rings, 0.5 * diameter, section.shape)
 
+    @property
+    def ring_count(self) -> int:
+        """Number of the parts of the section; 1 in one dimension."""
+        return 1 if self.rings is None else self.rings.count
+
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of all unknowns of the line: those of the layout, for each ring."""
-        return self.layout.names * (1 if self.rings is None else self.rings.count)
+        return self.layout.names * self.ring_count
 
     @cached_property
     def unknowns(self) -> tuple[Unknown, ...]:
         """All unknowns of the line: those of the layout, for each ring."""
-        return self.layout.unknowns * (1 if self.rings is None else self.rings.count)
+        return self.layout.unknowns * self.ring_count
 
     @property
     def is_gas(self) -> Flags:
@@ -245,10 +257,9 @@ class Problem:
         """Return each unknown of the layout at all points, those of one ring after
         those of another.
         """
-        if self.rings is None:
-            return list(u.reshape(len(u), -1))
-        by_ring = u.reshape(self.rings.count, len(self.layout.names), -1)
-        return list(by_ring.swapaxes(0, 1).reshape(len(self.layout.names), -1))
+        m = len(self.layout.names)
+        by_ring = u.reshape(self.ring_count, m, -1)
+        return list(by_ring.swapaxes(0, 1).reshape(m, -1))
 
     @property
     def _local(self) -> list[int]:
@@ -295,15 +306,14 @@ class Problem:
             for phase in self.layout.phases
         }
         molar = streams.pressure / (R_GAS * streams.T_gas)
-        total = sum(streams.gas.values())
         one |= {f"g_{name}": g for name, g in streams.gas.items()}
         for film, gas in self.layout.films.items():
-            one[f"s_{film}"] = streams.gas[gas] / total * molar
+            one[f"s_{film}"] = streams.gas[gas] / streams.moles * molar
         unknowns = self.layout.unknowns
         clean = {each.name: 0.0 for each in unknowns if each.role is Role.POINT}
         return one | clean | {f"n_{name}": n for name, n in streams.solid.items()}
 
-    def _state_entering(self, warmer: float = 0.0) -> State:
+    def state_entering(self, warmer: float = 0.0) -> State:
         """Return the state of all that enters, with solid phases so much warmer [K]."""
         values = self.entering
         if warmer:
@@ -313,9 +323,6 @@ class Problem:
             }
         return self.bed.state([values[name] for name in self.layout.names])
 
-    def _state_entering_values(self) -> list[float]:
-        return [self.entering[name] for name in self.layout.names]
-
     @cached_property
     def inflow(self) -> dict[str, float]:
         """Fluxes of all equations that enter, signed along x."""
@@ -323,7 +330,7 @@ class Problem:
         found = {f"g_{name}": g for name, g in streams.gas.items()}
         v = self.bed.velocity_of
         found |= {f"n_{name}": v(f"n_{name}") * n for name, n in streams.solid.items()}
-        state = self._state_entering()
+        state = self.state_entering()
         h = self.bed.enthalpies
         gas = float(sum(g * h[name](streams.T_gas) for name, g in streams.gas.items()))
         pairs = self.bed.with_states(state)
@@ -392,7 +399,7 @@ class Problem:
                 for name, g in streams.gas.items()
             )
         )
-        states = self._state_entering(), self._state_entering(rise)
+        states = self.state_entering(), self.state_entering(rise)
         capacity, heat = gas, gas * streams.T_gas
         for name, phase in self.bed.phases.items():
             cold, warm = (phase.enthalpy(state.phases[name]) for state in states)
@@ -418,7 +425,7 @@ class Problem:
     @property
     def moles(self) -> float:
         """Molar flux of the gas that enters [mol/m2/s]."""
-        return abs(sum(self.streams.gas.values()))
+        return abs(self.streams.moles)
 
     @cached_property
     def sizes(self) -> Array:
@@ -478,19 +485,10 @@ class Problem:
         section.
         """
         line = self.line
-        count = 1 if self.rings is None else self.rings.count
-        shape = (count, *line.points.shape)
+        shape = (self.ring_count, *line.points.shape)
         whole = np.broadcast_to(values, np.prod(shape)).reshape(shape)
         table = self.mean(whole)[0]
         return float(np.einsum("cj,j,c->", table, line.weights, line.h))
-
-    def state(self, u: Array) -> State:
-        """Return what follows from values of the unknowns (m, points)."""
-        return self.bed.state(list(u))
-
-    def values(self, u: Array, x: Any) -> dict[str, Array]:
-        """Return the unknowns at positions."""
-        return dict(zip(self.layout.names, self.line.at(self.mean(u), x), strict=True))
 
     def flux_at(self, u: Array) -> Mapping[str, Array]:
         """Return the fluxes of all equations through the vertices, signed along x,

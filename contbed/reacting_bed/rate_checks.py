@@ -129,9 +129,9 @@ def _require_values(
     """
     entering = [part[:1, 0] for part in problem.start(T)[: len(problem.layout.names)]]
     whole = sum(gas.values())
-    moles = sum(problem.streams.gas.values())
     for row, name in enumerate(problem.layout.gases):
-        entering[row] = np.array([gas.get(name, 0.0) / whole * moles])
+        share = gas.get(name, 0.0) / whole
+        entering[row] = np.array([share * problem.streams.moles])
     with np.errstate(all="ignore"):
         state = problem.bed.state(
             [Dual(value, {k: np.ones(1)}) for k, value in enumerate(entering)]

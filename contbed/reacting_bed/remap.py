@@ -30,7 +30,7 @@ from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.unknowns import LEAST_T, Role
 from contbed.reacting_bed.least_amounts import nearer_to_means, share_above_zero
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.storage import Storage, gas_of_rings, stored_rows
+from contbed.reacting_bed.storage import Storage, content, gas_of_rings, stored_rows
 
 ITERATIONS = 40  # of Newton's method at a node
 # change of unknowns over their sizes, of which the content changes by rounding
@@ -73,7 +73,7 @@ def transferred(problem: Problem, u: Array, vertices: Array) -> tuple[Problem, A
     ConvergenceError : no state holds so much
     """
     other = problem.on(vertices)
-    before = Storage(problem, np.zeros_like(u), 1.0).content(u, False)[0]
+    before = content(problem, u)
     held = _above_zero(
         other, projected(problem.line, _above_zero(problem, before), other.line)
     )

@@ -160,8 +160,7 @@ def fill(
     result.profiles = profiles(problem, u)
     fluxes = problem.flux_at(u)
     gas_end, solid_end = ends(problem)
-    where = problem.line.vertices[[0, -1]]
-    state = values_at(problem, u, where)
+    state = state_at_ends(problem, u)
     _gas(problem, fluxes, state, gas_end, result)
     _solids(problem, fluxes, state, solid_end, result)
     _extents(problem, u, state, gas_end, result)
@@ -202,7 +201,13 @@ def _across(problem: Problem, u: Array, result: Result) -> None:
         )
 
 
-def _at(value: Any, end: int) -> float:
+def state_at_ends(problem: Problem, u: Array) -> State:
+    """Return the state at both ends of the bed, see `values_at`."""
+    return values_at(problem, u, problem.line.vertices[[0, -1]])
+
+
+def at_end(value: Any, end: int) -> float:
+    """Return a value of `state_at_ends`, or a constant, at one end."""
     return float(np.broadcast_to(value, (2,))[end])
 
 
@@ -236,8 +241,9 @@ def _gas(
     qoi["mass_flux_out_kg_m2s"] = sum(
         n * problem.species.gases[name].molar_mass for name, n in leaving.items()
     )
-    qoi["T_fluid_out_K"] = _at(state.T_fluid, end)
-    qoi["u_in_m_s"], qoi["u_out_m_s"] = problem.inlet_velocity, abs(_at(state.u, end))
+    qoi["T_fluid_out_K"] = at_end(state.T_fluid, end)
+    qoi["u_in_m_s"] = problem.inlet_velocity
+    qoi["u_out_m_s"] = abs(at_end(state.u, end))
     if problem.layout.pressure:
         qoi["pressure_drop_Pa"] = streams.pressure - float(fluxes["p"][end])
         qoi["p_out_Pa"] = float(fluxes["p"][end])
@@ -255,7 +261,7 @@ def _solids(
         return
     for name, T in temperatures_of_solids(problem, state).items():
         if problem.bed.velocity_of(name):
-            qoi[f"{name}_out_K"] = _at(T, end)
+            qoi[f"{name}_out_K"] = at_end(T, end)
     amounts = dict(streams.solid)
     for name in problem.layout.solids:
         if v := problem.bed.velocity_of(f"n_{name}"):
@@ -291,14 +297,15 @@ def _extents(
         all_gas = len(gases) == len(reaction.stoichiometry)
         known = all(problem.species.gases[name].has_entropy for name in gases)
         if reaction.equation.reversible and all_gas and known:
-            T = _at(
+            T = at_end(
                 state.of(reaction.phase).T_solid
                 if reaction.site != "gas"
                 else state.T_fluid,
                 end,
             )
             pressures = {
-                name: max(_at(state.x[name] * state.p, end), 1e-295) for name in gases
+                name: max(at_end(state.x[name] * state.p, end), 1e-295)
+                for name in gases
             }
             approach = of_reactors.equilibrium(problem, reaction, T, pressures)
             result.qoi |= approach
@@ -319,19 +326,17 @@ def _balances(
     problem: Problem, u: Array, fluxes: Mapping[str, Array], result: Result
 ) -> None:
     """Add the balance of every element, and of energy with heats of formation."""
-    inward = (1.0, -1.0)
-    elements = dict.fromkeys(
-        e for item in problem.species.all.values() for e in item.composition
-    )
-    for element in elements:
-        streams = []
-        for unknown in problem.layout.unknowns:
-            if (key := unknown.conserved) is not None:
-                atoms = problem.species.all[key].composition.get(element, 0.0)
-                streams += [
-                    sign * float(fluxes[unknown.name][k]) * atoms
-                    for k, sign in zip((0, -1), inward, strict=True)
-                ]
+    names = problem.layout.names
+    # into the bed at both ends, by unknown
+    inward = {
+        name: (float(fluxes[name][0]), -float(fluxes[name][-1])) for name in names
+    }
+    for element, atoms in atoms_of(problem).items():
+        streams = [
+            value * count
+            for name, count in zip(names, atoms.tolist(), strict=True)
+            for value in inward[name]
+        ]
         entering = sum(value for value in streams if value > 0)
         if entering > 0:
             leaving = -sum(value for value in streams if value < 0)
@@ -341,14 +346,9 @@ def _balances(
     temperatures = problem.layout.temperatures
     if not temperatures:
         return
-    names = problem.layout.names
     sources = dict(zip(names, problem.mean(problem.system.sources(u)), strict=True))
     wall = sum(sources[name] for name in temperatures)
-    parts = [
-        sign * float(fluxes[name][k])
-        for name in temperatures
-        for k, sign in zip((0, -1), inward, strict=True)
-    ]
+    parts = [value for name in temperatures for value in inward[name]]
     if problem.scene.wall is not None:
         result.qoi["heat_wall_W"] = wall
         result.units["heat_wall_W"] = "W/m2"
@@ -358,24 +358,40 @@ def _balances(
     }
 
 
+def atoms_of(problem: Problem) -> dict[str, Array]:
+    """Return the atoms of each element in what each unknown of the layout counts, 0
+    for temperatures, the pressure and films.
+    """
+    species, unknowns = problem.species.all, problem.layout.unknowns
+    found: dict[str, Array] = {}
+    for item in species.values():
+        for element in item.composition:
+            found.setdefault(element, np.zeros(len(unknowns)))
+    for k, unknown in enumerate(unknowns):
+        if unknown.conserved is not None:
+            for element, count in species[unknown.conserved].composition.items():
+                found[element][k] = count
+    return found
+
+
 def heat_carried(problem: Problem, u: Array) -> float:
     """Return the heat above 298.15 K of all streams that enter or leave [W/m2], the
     measure of the energy balance.
     """
-    state = values_at(problem, u, problem.line.vertices[[0, -1]])
+    state = state_at_ends(problem, u)
     h = problem.bed.enthalpies
     total = 0.0
     for k in (0, 1):
-        T_f = _at(state.T_fluid, k)
+        T_f = at_end(state.T_fluid, k)
         total += abs(
             sum(
-                _at(g, k) * float(h[name](T_f) - h[name](T_STANDARD))
+                at_end(g, k) * float(h[name](T_f) - h[name](T_STANDARD))
                 for name, g in state.g.items()
             )
         )
         for phase, own in problem.bed.with_states(state):
-            T_s, v, h_s = _at(own.T_solid, k), phase.velocity, phase.enthalpies
-            moles = {name: _at(n, k) for name, n in own.n.items()}
+            T_s, v, h_s = at_end(own.T_solid, k), phase.velocity, phase.enthalpies
+            moles = {name: at_end(n, k) for name, n in own.n.items()}
             total += abs(
                 v
                 * sum(

@@ -7,12 +7,16 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from contbed.course.schedule import series_of
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.mesh import MeshLine
-from contbed.scene.series_checks import a_cycle_fits_its_series, series_is_usable
+from contbed.scene.series import series_of
+from contbed.scene.series_checks import (
+    a_cycle_fits_its_series,
+    output_times_lie_in_the_run,
+    series_is_usable,
+)
 from contbed.scene.toml_lines import Origin
 
 Boundaries = dict[str, s.Boundary]
@@ -66,9 +70,7 @@ def a_cycle_changes_something(
 ) -> Mistakes:
     """Check that a cycle has series, of which it is an integer number of periods."""
     what = "a composition, a flow, or a temperature of what enters or of the wall"
-    yield from a_cycle_fits_its_series(
-        series_of(boundary, ("boundary",)), time, what, see
-    )
+    yield from a_cycle_fits_its_series(boundary, time, what, see)
 
 
 def initial_profiles_fit_the_bed(
@@ -147,12 +149,7 @@ def times_are_in_order(
     """
     if time is None:
         return
-    for index, instant in enumerate(time.times):
-        if instant > time.end:
-            yield (
-                ("time", "times", index),
-                f"{instant:g} s is after the end; see {see('time.end')}",
-            )
+    yield from output_times_lie_in_the_run(time, see)
     follows = packed_bed.gas_storage == "quasi_steady" and not any(
         table.adsorption for table in solids.values()
     )

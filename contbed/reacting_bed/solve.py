@@ -212,8 +212,7 @@ def residence_time(problem: Problem) -> float:
     v = abs(problem.bed.velocity_solid)
     if v:
         return float(length / v)
-    state = problem.state(np.array(list(problem._state_entering_values())))
-    return 1e3 * float(length / abs(state.u))
+    return 1e3 * float(length / abs(problem.state_entering().u))
 
 
 def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:

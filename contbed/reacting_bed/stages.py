@@ -28,7 +28,7 @@ from contbed.errors import ConvergenceError
 from contbed.reacting_bed import solve
 from contbed.reacting_bed.least_amounts import carried
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.storage import Storage
+from contbed.reacting_bed.storage import Storage, content
 
 GAMMA = 1.0 - 0.5**0.5
 SLOWEST = 0.2  # factor by which a correction with an older matrix has to fall
@@ -65,7 +65,7 @@ def stages(
     ------
     ConvergenceError : a stage is not found
     """
-    before = Storage(problems[0], np.zeros_like(u), GAMMA * dt).content(u, False)[0]
+    before = content(problems[0], u)
     start = (
         problems[0]
         if ended is None

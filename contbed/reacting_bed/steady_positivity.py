@@ -60,12 +60,10 @@ def damped(problem: Problem, u: Array, report: solve.Report) -> tuple[Problem, A
         wrong &= (damping < FLAT * speeds) | (mean > 0.0)
         try:
             if wrong.any():
-                damping, before = (
-                    np.where(
-                        wrong, next_damping(damping, low, before, mean, speeds), damping
-                    ),
-                    low,
+                damping = np.where(
+                    wrong, next_damping(damping, low, before, mean, speeds), damping
                 )
+                before = low
                 trial = replace(problem, damping=damping)
                 du, step_length, _ = solve.newton_step(trial, state, report)
                 state = state + step_length * du

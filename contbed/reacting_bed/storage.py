@@ -32,8 +32,12 @@ def stored_rows(problem: Problem) -> NDArray[np.intp]:
 
 def gas_of_rings(problem: Problem) -> tuple[NDArray[np.intp], ...]:
     """Return the rows of the gases of each ring, one ring in one dimension."""
-    count = 1 if problem.rings is None else problem.rings.count
-    return tuple(np.split(problem.rows(Role.GAS), count))
+    return tuple(np.split(problem.rows(Role.GAS), problem.ring_count))
+
+
+def content(problem: Problem, u: Array) -> Array:
+    """Return the content of a state per volume of bed by equation, (m, N, p + 1)."""
+    return Storage(problem, u, 1.0).content(u, False)[0]
 
 
 class Storage:
@@ -47,7 +51,7 @@ class Storage:
     @classmethod
     def after(cls, problem: Problem, before: Array, dt: float) -> Storage:
         """Return the storage of an implicit Euler step from a state."""
-        return cls(problem, cls(problem, before, dt).content(before, False)[0], dt)
+        return cls(problem, content(problem, before), dt)
 
     def content(self, u: Array, jacobian: bool) -> tuple[Array, Any]:
         """Return the content per volume of bed by equation at the nodes, and its

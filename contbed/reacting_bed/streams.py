@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,6 +48,11 @@ class Streams:
     def ahead(self) -> bool:
         """Whether the gas flows along x."""
         return self.mass_flux > 0
+
+    @property
+    def moles(self) -> float:
+        """Molar flux of all gases, signed along x [mol/m2/s]."""
+        return sum(self.gas.values())
 
     @property
     def mean_velocity(self) -> float:
@@ -185,11 +190,6 @@ def solid_inlet(
     """
     side = entry(velocity)
     return boundary[side].solids.get(phase) if side in boundary else None
-
-
-def slowest(velocities: Iterable[float]) -> float:
-    """Return the velocity of the slowest solid phase that moves, 0 where none does."""
-    return min((v for v in velocities if v), key=abs, default=0.0)
 
 
 def particle_density(table: s.Solid, phase: PhaseSpecies) -> float:

@@ -23,6 +23,7 @@ from contbed.course.march import FEW_DIGITS, SHORTER, Accept, Control, TimeSteps
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed import results, solve
 from contbed.reacting_bed.course import Course
+from contbed.reacting_bed.cycle import Stored
 from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.history import FLOW, BedHistory
 from contbed.reacting_bed.least_amounts import least
@@ -68,6 +69,24 @@ class BedSteps(TimeSteps[BedHistory]):
         self.outputs = {*output_times(course.time)}
         first = course.first_step
         self.control = Control(first, SHORTEST_STEP * first, 2, MOST_GROWTH, FEW_DIGITS)
+
+    def scale(self, after: BedHistory) -> Array:
+        """Return the sizes of the unknowns (m,)."""
+        return self.course.sizes(after.state)
+
+    def stored(self, state: Array, scale: Array) -> Array:
+        """Return what is stored of a state, over its sizes."""
+        return Stored.of(self.course.problem, scale).values(state)
+
+    def begun(self, values: Array, scale: Array, after: BedHistory) -> BedHistory:
+        """Return the history at the start of a period from extrapolated values."""
+        stored = Stored.of(self.course.problem, scale)
+        return self.again(replace(after, state=stored.bounded(values, after.state)))
+
+    def again(self, after: BedHistory) -> BedHistory:
+        """Return the history at the start of a period that follows another."""
+        history = begin(self.course, turned(self.course.problem, after.state))
+        return replace(history, damping=after.damping, extents=after.extents)
 
     def stops(self) -> list[float]:
         """Return output times, and jumps and kinks of the series [s]."""
@@ -190,12 +209,10 @@ class BedSteps(TimeSteps[BedHistory]):
         totals close to rounding.
         """
         problems, states = found.problems, found.states
-        passed, both_ways, sources, carried = (
-            history.passed,
-            history.both_ways,
-            history.sources,
-            history.carried,
-        )
+        passed = history.passed
+        both_ways = history.both_ways
+        sources = history.sources
+        carried = history.carried
         fluxes = passed
         for problem, u, weight in zip(
             problems, states, (1.0 - GAMMA, GAMMA), strict=True
@@ -252,9 +269,8 @@ def turned(problem: Problem, u: Array) -> Array:
     """Return a first guess after a jump of the streams: the gas with its new flux,
     as hot as it was.
     """
-    out, count = u.copy(), len(problem.names) // len(problem.layout.names)
-    gas = problem.rows(Role.GAS)
-    out[gas] *= count * sum(problem.streams.gas.values()) / u[gas].sum(axis=0).mean()
+    out, gas = u.copy(), problem.rows(Role.GAS)
+    out[gas] *= problem.ring_count * problem.streams.moles / u[gas].sum(axis=0).mean()
     return out
 
 
@@ -265,7 +281,6 @@ def outlet(problem: Problem, u: Array, fluxes: Array, time: float) -> dict[str, 
     end = -1 if problem.streams.ahead else 0
     gas = {name: fluxes[k, end] for k, name in enumerate(problem.layout.gases)}
     total = sum(gas.values())
-    state = results.values_at(problem, u, problem.line.vertices[[0, -1]])
-    T = float(np.broadcast_to(state.T_fluid, (2,))[end])
+    T = results.at_end(results.state_at_ends(problem, u).T_fluid, end)
     fractions = {f"x_{name} [1]": float(g / total) for name, g in gas.items()}
     return {"t [s]": time, "T_fluid [K]": T} | fractions | {FLOW: float(total)}

@@ -14,7 +14,7 @@ from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.of_columns import column_findings, early_fronts
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.storage import Storage
+from contbed.reacting_bed.storage import content
 from contbed.reacting_bed.swings import largest_swing, unresolved_front
 from contbed.reacting_bed.time_cells import SHORTEST
 from contbed.result import Result
@@ -84,9 +84,9 @@ def contents(problem: Problem, u: Array) -> Array:
     """Return what the bed holds by equation, per area, means over the section by
     name of the layout (m,).
     """
-    held = Storage(problem, np.zeros_like(u), 1.0).content(u, False)[0]
     line = problem.line
-    return problem.mean(np.einsum("ecj,j,c->e", held, line.weights, line.h))
+    held = np.einsum("ecj,j,c->e", content(problem, u), line.weights, line.h)
+    return problem.mean(held)
 
 
 def _balances(problem: Problem, history: BedHistory, result: Result) -> None:
@@ -96,13 +96,7 @@ def _balances(problem: Problem, history: BedHistory, result: Result) -> None:
     held = contents(problem, history.state)
     gain = held - history.held
     inward = history.passed * np.array([1.0, -1.0])
-    for element in dict.fromkeys(
-        e for item in problem.species.all.values() for e in item.composition
-    ):
-        atoms = np.zeros(len(gain))
-        for k, each in enumerate(problem.layout.unknowns):
-            if (species := each.conserved) is not None:
-                atoms[k] = problem.species.all[species].composition.get(element, 0.0)
+    for element, atoms in results.atoms_of(problem).items():
         fluxes = (atoms @ inward).tolist()
         both_ways = float((atoms @ history.both_ways).sum())
         scale = max(

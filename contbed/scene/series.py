@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -28,6 +28,8 @@ from contbed.scene.quantities import (
     Velocity,
     in_unit,
 )
+from contbed.scene.toml_lines import KeyPath
+from contbed.scene.values import tables
 
 if TYPE_CHECKING:
     from contbed.scene.profile import Rows
@@ -138,6 +140,13 @@ class HeatFluxSeries(Series):
     quantity: ClassVar[str] = "W/m**2"
     values: tuple[HeatFlux, ...] = ()
     """one for each time"""
+
+
+def series_of(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Series]]:
+    """Yield key and series of everything in a table that changes with time."""
+    for where, found in tables(part, path):
+        if isinstance(found, Series):
+            yield where, found
 
 
 class VelocitySeries(Series):
@@ -338,14 +347,15 @@ def how_written(value: Any) -> str:
     return "list" if isinstance(value, (list, tuple)) else "number"
 
 
-TemperatureOrSeries = Annotated[
-    Annotated[Temperature, Tag("number")] | Annotated[TemperatureSeries, Tag("series")],
+Quantity = TypeVar("Quantity")
+Changing = TypeVar("Changing")
+# a number of a quantity, or a table by which it changes
+OrSeries = Annotated[
+    Annotated[Quantity, Tag("number")] | Annotated[Changing, Tag("series")],
     Discriminator(how_written),
 ]
-HeatFluxOrSeries = Annotated[
-    Annotated[HeatFlux, Tag("number")] | Annotated[HeatFluxSeries, Tag("series")],
-    Discriminator(how_written),
-]
+TemperatureOrSeries = OrSeries[Temperature, TemperatureSeries]
+HeatFluxOrSeries = OrSeries[HeatFlux, HeatFluxSeries]
 VelocityOrSeries = Annotated[
     Annotated[FiniteFloat, Tag("number")]
     | Annotated[tuple[FiniteFloat, ...], Tag("list")]
@@ -354,7 +364,4 @@ VelocityOrSeries = Annotated[
     Discriminator(how_written),
     in_unit("m/s"),
 ]
-TemperatureOrProfile = Annotated[
-    Annotated[Temperature, Tag("number")] | Annotated[ProfileFile, Tag("series")],
-    Discriminator(how_written),
-]
+TemperatureOrProfile = OrSeries[Temperature, ProfileFile]

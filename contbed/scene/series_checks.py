@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 from typing import Any
 
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
-from contbed.scene.series import Series
+from contbed.scene.series import Series, series_of
 from contbed.scene.toml_lines import KeyPath, Origin
 
 # by which the number of periods of a series in a cycle may miss a whole one
@@ -51,8 +51,26 @@ def series_is_usable(
         )
 
 
+def series_are_usable(
+    boundary: Mapping[str, Any], time: Any | None, see: See, origin: Origin
+) -> Mistakes:
+    """Check that series can be read, begin at 0 and last as long as the run."""
+    for path, series in series_of(boundary, ("boundary",)):
+        yield from series_is_usable(path, series, time, see, origin)
+
+
+def output_times_lie_in_the_run(time: Any, see: See) -> Mistakes:
+    """Check that no output time is after the end."""
+    for index, instant in enumerate(time.times):
+        if instant > time.end:
+            yield (
+                ("time", "times", index),
+                f"{instant:g} s is after the end; see {see('time.end')}",
+            )
+
+
 def a_cycle_fits_its_series(
-    found: Iterable[tuple[KeyPath, Series]], time: Any, what: str, see: See
+    boundary: Mapping[str, Any], time: Any, what: str, see: See
 ) -> Mistakes:
     """Check that something changes within a cycle, which is an integer number of
     periods of each series.
@@ -61,7 +79,7 @@ def a_cycle_fits_its_series(
     """
     if time is None or time.cycle is None:
         return
-    series = list(found)
+    series = list(series_of(boundary, ("boundary",)))
     if not series:
         yield (
             ("time", "cycle"),

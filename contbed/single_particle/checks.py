@@ -6,11 +6,9 @@ from __future__ import annotations
 
 from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions, require_sum
-from contbed.scene.checking import Mistakes, See
+from contbed.scene.checking import Mistakes
 from contbed.scene.names import nearest
-from contbed.scene.series import Series
-from contbed.scene.series_checks import series_is_usable
-from contbed.scene.toml_lines import Origin
+from contbed.scene.series_checks import series_are_usable
 from contbed.single_particle import scene as p
 
 SLACK = 1e-6  # of a sum of mass fractions, for their rounding
@@ -82,19 +80,6 @@ def the_surface_is_the_boundary(boundary: dict[str, p.Boundary]) -> Mistakes:
             ("boundary", p.SURFACE),
             "missing; give fixed_temperature, or ambient with coefficient or emissivity",
         )
-
-
-def series_are_usable(
-    boundary: dict[str, p.Boundary], time: p.Time, see: See, origin: Origin
-) -> Mistakes:
-    """Check that series can be read and last as long as the run."""
-    for name, table in boundary.items():
-        for key in ("fixed_temperature", "ambient"):
-            series = getattr(table, key)
-            if isinstance(series, Series):
-                yield from series_is_usable(
-                    ("boundary", name, key), series, time, see, origin
-                )
 
 
 CHECKS = (

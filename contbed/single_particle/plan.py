@@ -40,11 +40,9 @@ class Plan:
 
 def plan(scene: SingleParticleScene) -> Plan:
     """Say what is built for a scene."""
-    cells, constituents, skipped = (
-        scene.single_particle.cells,
-        scene.solid.constituent,
-        [],
-    )
+    cells = scene.single_particle.cells
+    constituents = scene.solid.constituent
+    skipped = []
     built = [
         (
             "particle",

@@ -86,7 +86,7 @@ def test_other_coefficients_are_recorded_anew() -> None:
     state = random_state(problem, 0)
     for _ in range(RECORDED_FROM):
         compare(problem, state)
-    other = problem.with_coefficients(problem_of(case1(distributor=None)).plan)
+    other = problem.with_scene(problem_of(case1(distributor=None)).plan.scene)
     assert problem._recorded is not None and other._recorded is None
 
 

@@ -86,7 +86,7 @@ def test_thiele_where_a_reaction_runs_back():
     for mass in ("none", "effectiveness"):
         scene["solids"]["particles"]["inside"]["mass"] = mass
         problem = plan(from_dict(scene)).problem
-        state = problem.state(problem.start()[:, 0, :1])
+        state = problem.bed.state(list(problem.start()[:, 0, :1]))
         rates.append(
             float(problem.bed.rates(state, problem.bed.medium.at(state))[0][0])
         )
@@ -134,7 +134,7 @@ REFORMER = scene_of(
 def test_derivatives_of_mean_rates():
     """Against central differences of the inputs."""
     problem = plan(from_dict(REFORMER)).problem
-    state = problem.state(problem.start()[:, 0, :1])
+    state = problem.bed.state(list(problem.start()[:, 0, :1]))
     inside = problem.reactions[0].rate
     at = problem.local(state, problem.reactions[0])
     one = np.ones(1)

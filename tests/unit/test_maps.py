@@ -9,7 +9,7 @@ from contbed import run
 from contbed.bubbling_bed import plots as bubbling
 from contbed.explain import editor
 from contbed.loading import loads
-from contbed.output import maps
+from contbed.output import curves, maps
 from contbed.output.plots import styled_figure
 from contbed.output.progress import Progress
 
@@ -25,7 +25,7 @@ def figures(monkeypatch):
             yield figure
             found.append(figure)
 
-    for module in (maps, bubbling):
+    for module in (maps, curves):
         monkeypatch.setattr(module, "styled_figure", kept)
     return found
 
@@ -91,8 +91,8 @@ def test_bubbles_have_one_axis_for_each_unit(tmp_path, figures):
         "d_b [m]": 0.1 + z,
         "u_b [m/s]": 1 + z,
     }
-    bubbling.bubbling_plot(tmp_path / "a.png", columns, "bed")
-    labels = [axes.get_xlabel() for axes in figures[0].axes]
+    bubbling.profiles_plot(tmp_path / "a.png", columns, "bed")
+    labels = [axes.get_ylabel() for axes in figures[0].axes]
     assert [label for label in labels if label.startswith("bubbles: ")] == [
         r"bubbles: $d_\mathrm{b}$ [m]",
         r"bubbles: $\delta$",

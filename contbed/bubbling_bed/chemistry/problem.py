@@ -424,10 +424,8 @@ def _solids(
                 add(fuel, name, enthalpy, rate, rate * times.get(name, kept), scale)
         add_ash(fuel, data.ash)
     if (stone := scene.limestone) is not None:
-        flow, purity = (
-            scene.solids[stone].feed.mass_flow,
-            scene.solids[stone].limestone.purity,
-        )
+        flow = scene.solids[stone].feed.mass_flow
+        purity = scene.solids[stone].limestone.purity
         rate = flow * purity / species["CaCO3"].molar_mass
         for name, part in (("CaCO3", 0.1), ("CaO", 0.7), ("CaSO4", 0.2)):
             enters = rate if name == "CaCO3" else 0.0

@@ -181,8 +181,19 @@ class Coefficients:
     radiosity: float | None = None  # J; None for a mirror
     degree: int = 2
     computed: Any = None
+    albedo: float | None = None  # of the emulsion; None where nothing radiates
     extra: tuple[str, ...] = ()  # fields of bubbling_flow
     parts: tuple[Part, ...] = ()
+
+    @property
+    def chemistry(self) -> Any:
+        """The reacting part, None where nothing reacts."""
+        return getattr(self.computed, "chemistry", None)
+
+    @property
+    def above(self) -> Any:
+        """The freeboard, None where none is solved for."""
+        return getattr(self.computed, "above", None)
 
     @property
     def scalars(self) -> tuple[str, ...]:

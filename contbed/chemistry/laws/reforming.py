@@ -45,7 +45,6 @@ _ADSORPTION = {
 }
 KMOL_PER_HOUR = 1.0 / 3.6  # kmol/kg/h in mol/kg/s
 LEAST_H2 = 1e-6  # bar; below, the pressure of hydrogen in denominators stays there
-T_RANGE = (573.0, 1100.0)
 
 
 def denominator(T: Any, p: Mapping[str, Any]) -> Any:
@@ -70,18 +69,14 @@ def rate(name: str, T: Any, p: Mapping[str, Any], K: Any) -> Any:
     H2 = np.maximum(p["H2"], LEAST_H2)
     H2_1 = p["H2"]
     if name == "xu_froment_reforming":
-        driving, below = (
-            product([p["CH4"], p["H2O"]]) - H2_1 * H2_1 * H2_1 * p["CO"] / K,
-            H2 * H2 * np.sqrt(H2),
-        )
+        driving = product([p["CH4"], p["H2O"]]) - H2_1 * H2_1 * H2_1 * p["CO"] / K
+        below = H2 * H2 * np.sqrt(H2)
     elif name == "xu_froment_shift":
         driving, below = product([p["CO"], p["H2O"]]) - H2_1 * p["CO2"] / K, H2
     else:
         steam = p["H2O"] * p["H2O"]
-        driving, below = (
-            p["CH4"] * steam - H2_1 * H2_1 * H2_1 * H2_1 * p["CO2"] / K,
-            H2 * H2 * H2 * np.sqrt(H2),
-        )
+        driving = p["CH4"] * steam - H2_1 * H2_1 * H2_1 * H2_1 * p["CO2"] / K
+        below = H2 * H2 * H2 * np.sqrt(H2)
     den = denominator(T, p)
     return k * driving / (below * den * den)
 

@@ -51,10 +51,8 @@ def _sharp(z: Array, centres: Array, values: Array) -> Array:
     """
     width = centres[1] - centres[0]
     steps = np.diff(values)
-    left, right = (
-        np.concatenate(([steps[0]], steps)),
-        np.concatenate((steps, [steps[-1]])),
-    )
+    left = np.concatenate(([steps[0]], steps))
+    right = np.concatenate((steps, [steps[-1]]))
     slope = np.where(np.abs(left) < np.abs(right), left, right) / width
     cell = np.clip(
         np.floor((z - centres[0]) / width + 0.5).astype(int), 0, len(centres) - 1

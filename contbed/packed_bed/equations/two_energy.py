@@ -137,10 +137,8 @@ def _mode(
     total = loss * v
     if solid.mass_flux is None:
         return total
-    capacity, slope = (
-        solid.heat_capacity(unknowns.T_solid),
-        o.dot(solid.mass_flux, o.grad(v)),
-    )
+    capacity = solid.heat_capacity(unknowns.T_solid)
+    slope = o.dot(solid.mass_flux, o.grad(v))
     total = total - capacity * T * slope
     if mode.tau is not None:
         strong = capacity * o.dot(solid.mass_flux, o.grad(T)) + loss
@@ -244,6 +242,11 @@ class BoundaryTerms:
     # heat capacity as a function of T_solid [J/kg/K], of a mode in place of the
     # enthalpy
     capacity: Any = None
+
+    @property
+    def phase(self) -> str:
+        """The phase, "fluid" or "solid"."""
+        return self.name.removeprefix("T_")
 
     @property
     def crossed(self) -> bool:

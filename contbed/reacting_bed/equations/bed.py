@@ -228,10 +228,8 @@ class Bed:
         temperatures = self.layout.temperatures
         if temperatures:
             carried: Any = sum(flux * h[name] for name, flux in J.items()) if J else 0.0
-            K_f, K_s = (
-                transport.conductivity_fluid,
-                [each.conductivity_solid for each in transport.phases.values()],
-            )
+            K_f = transport.conductivity_fluid
+            K_s = [each.conductivity_solid for each in transport.phases.values()]
             if len(temperatures) == 1:
                 out.append(carried - sum(K_s, K_f) * slopes["T"])
             else:
@@ -263,10 +261,8 @@ class Bed:
         if self.layout.pressure:
             out.append(-transport.pressure_gradient)
         for phase, own in self.with_states(state):
-            films, rates = (
-                transport.phases[phase.layout.name].films,
-                by_phase[phase.layout.name],
-            )
+            films = transport.phases[phase.layout.name].films
+            rates = by_phase[phase.layout.name]
             for gas in phase.layout.films:
                 through = (
                     films[gas] * phase.medium.area * (state.c[gas] - own.films[gas])
