@@ -4,23 +4,13 @@ uninterrupted run bit for bit.
 
 from __future__ import annotations
 
-import random
-import signal
-import subprocess
-import sys
-import time
-
-import numpy as np
 import pytest
 from adsorption_scenes import adsorber
 from reacting_bed_scenes import N_SOLID, danckwerts, fixed_bed, isothermal
 from several_solids import split, split_pellets
 
 import contbed
-from contbed.errors import SceneError
 from contbed.loading import from_dict
-from contbed.output.checkpoint import NAME
-from contbed.output.tables import read_table
 from contbed.reacting_bed.transient import BedSteps
 from tests.restarts import interrupt, same_run
 from tests.scene_text import set_keys
@@ -185,111 +175,9 @@ def test_restart_of_beds_goes_on_bit_for_bit(tmp_path, given):
     same_run(contbed.run(given, out=tmp_path / "b", restart=tmp_path / "a"), whole)
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (
-            lambda s: s["packed_bed"].update(porosity=0.41),
-            "packed_bed.porosity = 0.41: the checkpoint has 0.4",
-        ),
-        (
-            lambda s: s["boundary"]["left"]["gas"]["composition"].update(
-                values=["A:1", "A:0.4, B:0.6"]
-            ),
-            "boundary.left.gas.composition.values",
-        ),
-        (
-            lambda s: s["time"].update(tolerance=1e-5),
-            "time.tolerance = 1e-05: the checkpoint has 0.0001",
-        ),
-        (lambda s: s["time"].update(end=20.0, times=[]), "time.end = 20: lies before"),
-        (lambda s: s["time"].update(times=[1.0]), "time.times: 1 s lies before"),
-    ],
-)
-def test_another_scene_is_refused(tmp_path_factory, change, said):
-    folder = tmp_path_factory.getbasetemp() / "stopped_reacting_bed"
-    if not folder.exists():
-        interrupt(from_dict(scene()), folder, *STOP)
-    other = scene()
-    change(other)
-    with pytest.raises(SceneError, match=r"the checkpoint|lies before") as error:
-        contbed.run(from_dict(other), out=folder.parent / "refused", restart=folder)
-    assert said in str(error.value)
 
 
-TOML = """
-[mesh]
-type = "line"
-length = 1.35
-cells = 20
-
-[gas]
-model = "ideal_gas"
-pressure = 1e5
-
-[gas.species]
-A = { elements = { H = 28.0 }, molar_mass = 0.028 }
-B = { elements = { H = 28.0 }, molar_mass = 0.028 }
-
-[solids.particles]
-diameter = 3e-3
-composition = "S:1"
-density = 3000.0
-
-[solids.particles.constituent]
-S = { elements = { Fe = 1.0 }, molar_mass = 0.1 }
-P = { elements = { Fe = 1.0 }, molar_mass = 0.1 }
-
-[packed_bed]
-porosity = 0.4
-pressure_drop = "none"
-
-[reactions.r]
-equation = "A + S -> B + P"
-A = 4e-5
-E = 0.0
-orders = { A = 1.0, S = 1.0 }
-basis = "bed"
-
-[boundary.left]
-gas.velocity = 0.5
-gas.temperature = 500.0
-gas.composition = { times = [0, 300], values = ["A:1", "A:0.5, B:0.5"], form = "step" }
-
-[time]
-end = 800.0
-tolerance = 1e-6
-checkpoint_every = 0.02
-
-[output]
-plots = false
-"""
 
 
-def begun(command, folder):
-    """Start a run and wait for its first checkpoint."""
-    run = subprocess.Popen([*command, "--out", str(folder)])
-    while not (folder / NAME).is_file():
-        assert run.poll() is None
-        time.sleep(0.005)
-    return run
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
-def test_kill_at_any_moment(tmp_path, seed):
-    """Within three quarters of what the whole run takes after its first checkpoint."""
-    place, folder = tmp_path / "scene.toml", tmp_path / "killed"
-    place.write_text(TOML)
-    command = [sys.executable, "-m", "contbed", "run", "--quiet", str(place)]
-    whole, start = begun(command, tmp_path / "whole"), time.monotonic()
-    assert whole.wait() == 0
-    lasts = time.monotonic() - start
-    run = begun(command, folder)
-    time.sleep(random.Random(seed).uniform(0.0, 0.75) * lasts)
-    run.kill()
-    assert run.wait() == -signal.SIGKILL
-    subprocess.run([*command, "--restart", str(folder)], check=True)
-    for name in ("profiles.csv", "outlet.csv"):
-        one, other = read_table(tmp_path / "whole" / name), read_table(folder / name)
-        assert all(np.array_equal(column, other[key]) for key, column in one.items())

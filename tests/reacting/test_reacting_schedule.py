@@ -276,13 +276,3 @@ def test_mistakes_in_series(key, series, said):
     refused(said, from_dict, scene)
 
 
-def test_series_in_a_steady_scene_are_refused():
-    scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
-    del scene["time"]
-    set_keys(
-        scene,
-        """
-        boundary.left.gas.velocity = { times = [0, 900], values = [0.5, 0.6] }
-        """,
-    )
-    refused("changes with time, and the scene is steady", from_dict, scene)

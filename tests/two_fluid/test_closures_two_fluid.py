@@ -34,6 +34,8 @@ from tests.scene_text import scene_of, set_keys
 SEED = {"rho_s": 2550.0, "d_p": 150e-6, "rho": 1.2, "mu": 1.8e-5}
 TAGHIPOUR = {"rho_s": 2500.0, "d_p": 275e-6, "rho": 1.225, "mu": 1.7894e-5}
 GRAVITY = 9.81
+# velocity of Stokes of the beads of the filtered scenes [m/s]
+SETTLING = GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)
 DRAG = ("drag_wen_yu", "drag_syamlal_obrien", "drag_gidaspow", "drag_di_felice")
 PLANE = {"type": "rectangle", "length": 0.2, "height": 0.4, "cells": [10, 40]}
 RADIAL = (
@@ -451,29 +453,62 @@ def filtered_scene(theta, two_fluid=None, **closures):
     )
 
 
+NEAR_WALLS = {
+    "wall_drag": (6.0, 0.295),
+    "wall_pressure": (9.14, 0.345),
+    "wall_viscosity": (5.69, 0.228),
+}
+TANKS = scene_of("""
+    plane = { type = "rectangle", length = 0.1, height = 0.2, cells = [10, 5] }
+    pipe = { type = "axisymmetric", length = 0.2, radius = 0.1, cells = [10, 5] }
+    box = { type = "box", length = 0.1, width = 0.06, height = 0.2, cells = [10, 6, 5] }
+""")
+
+
+def tank(mesh=TANKS["plane"], two_fluid=None, **closures):
+    sides = {
+        "rectangle": ["left", "right", "bottom", "top"],
+        "axisymmetric": ["wall", "bottom", "top"],
+        "box": ["left", "right", "front", "back", "bottom", "top"],
+    }
+    walls = {
+        "type": "wall",
+        "solids": {"beads": {"wall": "slip"}},
+        "gas": {"wall": "slip"},
+    }
+    scene = filtered_scene(
+        SETTLING**2,
+        two_fluid,
+        **closures,
+    )
+    return scene | {
+        "mesh": mesh,
+        "boundary": dict.fromkeys(sides[mesh["type"]], walls),
+    }
+
+
 @pytest.mark.slow
 def test_filtered_stress_comes_with_its_granular_temperature():
     """mu = rho_s v_t^3/g mu*, p = rho_s v_t^2 p* of the model where theta = v_t^2;
     other temperatures are refused.
     """
-    settling = GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)
-    scene = from_dict(filtered_scene(settling**2))
+    scene = from_dict(filtered_scene(SETTLING**2))
     bed, _ = plan(scene).bed()
-    F = 2.0 * (0.02 * 0.01) ** 0.5 * GRAVITY / settling**2
+    F = 2.0 * (0.02 * 0.01) ** 0.5 * GRAVITY / SETTLING**2
     rheology, theta = bed.state.properties.rheology, bed.state.theta
     pressure = closures.granular_pressure_igci(0.05, 1.0, 0.9, F)
     # fades below 1e-8
     np.testing.assert_allclose(
-        rheology.pressure * theta, settling**2 * pressure, rtol=1e-5
+        rheology.pressure * theta, SETTLING**2 * pressure, rtol=1e-5
     )
     viscosity = closures.granular_viscosity_igci(
-        0.05, 1.0, 0.9, F, settling**2 / GRAVITY / 75e-6
+        0.05, 1.0, 0.9, F, SETTLING**2 / GRAVITY / 75e-6
     )
     np.testing.assert_allclose(
-        rheology.mu, 1500.0 * 75e-6 * settling * viscosity, rtol=1e-5
+        rheology.mu, 1500.0 * 75e-6 * SETTLING * viscosity, rtol=1e-5
     )
     assert bound(scene)["drag"].parameters["Re_t"] == pytest.approx(
-        1.2 * settling * 75e-6 / 1.8e-5, rel=1e-12
+        1.2 * SETTLING * 75e-6 / 1.8e-5, rel=1e-12
     )
     refused(
         r"must be 0\.0651\d+ m2/s2, the square of the terminal velocity",
@@ -481,79 +516,34 @@ def test_filtered_stress_comes_with_its_granular_temperature():
     )
     refused(
         r'granular_temperature.*must be "frozen"',
-        lambda: from_dict(filtered_scene(settling**2, {"granular_temperature": "pde"})),
+        lambda: from_dict(filtered_scene(SETTLING**2, {"granular_temperature": "pde"})),
     )
     refused(
         "needs particles that settle",
-        lambda: from_dict(filtered_scene(settling**2, {"gravity": 0.0})),
+        lambda: from_dict(filtered_scene(SETTLING**2, {"gravity": 0.0})),
     )
 
 
 @pytest.mark.parametrize(
-    ("mesh", "size"),
+    ("name", "more", "size"),
     [
-        (PLANE, (0.02 * 0.01) ** 0.5),
-        (PLANE | {"refine": 1}, (0.01 * 0.005) ** 0.5),
-        (
-            {
-                "type": "box",
-                "length": 0.2,
-                "width": 0.1,
-                "height": 0.4,
-                "cells": [10, 4, 16],
-            },
-            0.0125 ** (1 / 3) / 10,
-        ),
+        ("plane", {}, 0.02),
+        ("plane", {"refine": 1}, 0.01),
+        ("pipe", {}, 0.02),
+        ("box", {}, 4e-6 ** (1 / 3)),
     ],
 )
-def test_filter_is_two_cells_wide(mesh, size):
-    """F = 2 size g/v_t^2 with Stokes' velocity v_t = g d^2 (rho_s - rho)/(18 mu)."""
-    sides = ["left", "right", "bottom", "top"] + (
-        ["front", "back"] if mesh["type"] == "box" else []
-    )
-    scene = scene_of(
-        """
-            model = "two_fluid"
-            closures = { drag = "igci" }
-            gas = { density = 1.2, viscosity = 1.8e-5 }
-            initial = { solids = { beads = { volume_fraction = 0.05 } } }
-            time = { end = 0.1 }
-
-            [solids.beads]
-            diameter = 75e-6
-            density = 1500.0
-            restitution = 0.9
-            packing_limit = 0.6
-        """,
-        {
-            "mesh": mesh,
-            "boundary": {
-                side: {"type": "wall", "solids": {"beads": {"wall": "slip"}}}
-                for side in sides
-            },
-        },
-    )
-    settling = GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)
-    found = bound(from_dict(scene))["drag"].parameters["filter_froude"]
-    assert found == pytest.approx(2.0 * size * GRAVITY / settling**2, rel=1e-12)
-    set_keys(scene, 'closures.drag = { name = "drag_igci", filter_froude = 3.0 }')
-    assert bound(from_dict(scene))["drag"].parameters["filter_froude"] == 3.0
-
-
-@pytest.mark.parametrize("name", ["plane", "pipe", "box"])
-def test_plan_and_results_tell_the_size_of_the_filter(name):
+def test_plan_and_results_tell_the_size_of_the_filter(name, more, size):
     """Two cells wide by itself, on cells of a pipe by their section; results are in
     v_t^2/g and in metres.
     """
-    mesh, _ = TANK[name]
-    size = {"plane": 0.02, "pipe": 0.02, "box": (0.01 * 0.01 * 0.04) ** (1 / 3)}[name]
-    found = plan(from_dict(tank(mesh)))
+    found = plan(from_dict(tank(TANKS[name] | more)))
     lines = {what: how for what, how in found.built if what.startswith("filter")}
     assert set(lines) == {
         f"filter of the {what}"
         for what in ("drag", "granular pressure", "granular viscosity")
     }
-    length = (GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)) ** 2 / GRAVITY
+    length = SETTLING**2 / GRAVITY
     assert all(
         f"{2 * size:.3g} m, 2 cells wide, {2 * size / length:.3g} v_t^2/g" in text
         for text in lines.values()
@@ -562,6 +552,8 @@ def test_plan_and_results_tell_the_size_of_the_filter(name):
     assert named["filter_size [m]"] == pytest.approx(2 * size, rel=1e-12)
     assert named["filter_froude"] == pytest.approx(2 * size / length, rel=1e-12)
     assert not any("filter" in text for text in found.warnings)
+    drag = bound(found.scene)["drag"].parameters
+    assert drag["filter_froude"] == pytest.approx(2 * size / length, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -574,17 +566,15 @@ def test_plan_and_results_tell_the_size_of_the_filter(name):
     ],
 )
 def test_plan_tells_the_fits_that_the_filtered_drag_lies_between(F, says):
-    mesh, _ = TANK["plane"]
     lines = dict(
-        plan(from_dict(tank(mesh, drag={"name": "milioli", "filter_froude": F}))).built
+        plan(from_dict(tank(drag={"name": "milioli", "filter_froude": F}))).built
     )
     assert lines["filter of the drag"].endswith(f"; {says}")
 
 
 def test_filter_unlike_the_cells_is_warned_of():
-    mesh, _ = TANK["plane"]
     (text,) = plan(
-        from_dict(tank(mesh, drag={"name": "igci", "filter_froude": 0.5}))
+        from_dict(tank(drag={"name": "igci", "filter_froude": 0.5}))
     ).warnings
     assert (
         "closures.drag: its filter is 0.166 cells wide; 2 are meant, filter_froude = "
@@ -594,7 +584,6 @@ def test_filter_unlike_the_cells_is_warned_of():
         r"closures\.drag: needs particles that settle",
         lambda: from_dict(
             tank(
-                mesh,
                 drag={"name": "igci", "filter_froude": 3.0},
                 two_fluid={"gravity": 0.0},
             )
@@ -603,65 +592,14 @@ def test_filter_unlike_the_cells_is_warned_of():
 
 
 def test_plan_without_filtered_closures_tells_no_filter():
-    mesh, _ = TANK["plane"]
     plain = {
         "drag": "wen_yu",
         "granular_pressure": "granular_pressure_dilute",
         "granular_viscosity": "none",
     }
-    found = plan(from_dict(tank(mesh, **plain)))
+    found = plan(from_dict(tank(**plain)))
     assert not any(what.startswith("filter") for what, _ in found.built)
     assert filters.results(found.scene) == {}
-
-
-NEAR_WALLS = {
-    "wall_drag": (6.0, 0.295),
-    "wall_pressure": (9.14, 0.345),
-    "wall_viscosity": (5.69, 0.228),
-}
-TANK = {
-    "plane": (
-        {"type": "rectangle", "length": 0.1, "height": 0.2, "cells": [10, 5]},
-        lambda x: np.minimum(x, 0.1 - x),
-    ),
-    "pipe": (
-        {"type": "axisymmetric", "length": 0.2, "radius": 0.1, "cells": [10, 5]},
-        lambda r: 0.1 - r,
-    ),
-    "box": (
-        {
-            "type": "box",
-            "length": 0.1,
-            "width": 0.06,
-            "height": 0.2,
-            "cells": [10, 6, 5],
-        },
-        lambda x, y: np.minimum(np.minimum(x, 0.1 - x), np.minimum(y, 0.06 - y)),
-    ),
-}
-
-
-def tank(mesh, two_fluid=None, **closures):
-    ends = ["bottom", "top"]
-    sides = {
-        "rectangle": ["left", "right"],
-        "axisymmetric": ["wall"],
-        "box": ["left", "right", "front", "back"],
-    }
-    walls = {
-        "type": "wall",
-        "solids": {"beads": {"wall": "slip"}},
-        "gas": {"wall": "slip"},
-    }
-    scene = filtered_scene(
-        (GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)) ** 2,
-        two_fluid,
-        **closures,
-    )
-    return scene | {
-        "mesh": mesh,
-        "boundary": dict.fromkeys((*sides[mesh["type"]], *ends), walls),
-    }
 
 
 @pytest.mark.slow  # compiles a step with these closures on both kinds of meshes
@@ -670,13 +608,7 @@ def test_pressure_that_falls_with_the_fraction_leaves_compaction_solvable(shape)
     """Igci's pressure falls between 0.3 and 0.59: a dense bed keeps its particles
     below the packing limit.
     """
-    mesh = {
-        "type": "rectangle",
-        "length": 0.1,
-        "height": 0.2,
-        "cells": [10, 20],
-        "shape": shape,
-    }
+    mesh = TANKS["plane"] | {"cells": [10, 20], "shape": shape}
     scene = tank(mesh, drag="igci", **dict.fromkeys(NEAR_WALLS, "igci"))
     del scene["initial"]["solids"]["beads"]["volume_fraction"]
     set_keys(
@@ -710,13 +642,19 @@ def test_factors_near_walls_have_the_values_of_their_formulas(kind):
     )
 
 
-@pytest.mark.parametrize("name", TANK)
-def test_distances_are_those_from_the_walls_beside_the_flow(name):
+@pytest.mark.parametrize(
+    ("name", "distance"),
+    [
+        ("plane", lambda x: np.minimum(x, 0.1 - x)),
+        ("pipe", lambda r: 0.1 - r),
+        ("box", lambda x, y: np.minimum.reduce([x, 0.1 - x, y, 0.06 - y])),
+    ],
+)
+def test_distances_are_those_from_the_walls_beside_the_flow(name, distance):
     """Floor and roof do not count; cells of a box are as far as the nearest of its
     four sides.
     """
-    mesh, distance = TANK[name]
-    scene = from_dict(tank(mesh))
+    scene = from_dict(tank(TANKS[name]))
     grid = plan(scene).grid
     across = grid.centres[:, :-1].T
     np.testing.assert_allclose(distances(scene, grid), distance(*across), rtol=1e-12)
@@ -726,7 +664,7 @@ def test_factors_near_walls_multiply_drag_pressure_and_viscosity():
     """Each multiplies what it is named after in a step's closures; friction stays,
     so that a packing carries.
     """
-    scene = from_dict(tank(TANK["box"][0], **dict.fromkeys(NEAR_WALLS, "igci")))
+    scene = from_dict(tank(TANKS["box"], **dict.fromkeys(NEAR_WALLS, "igci")))
     grid = plan(scene).grid
     x = wall_froude(scene, grid)
     eps_s, theta, table = (

@@ -28,10 +28,10 @@ from contbed.output import checkpoint, curves, maps, plots, progress, summary
 from contbed.output.files import atomic
 from contbed.output.progress import Progress
 from contbed.output.tables import read_table, write_table
-from contbed.output.vtu import at_nodes, write_fields, write_series
+from contbed.output.vtu import write_fields, write_series
 from contbed.result import outside
 from contbed.runner import run
-from tests.cases import each_case
+from tests.cases import cases_of, each_case
 from tests.refusals import refused
 
 LINE, X, Y = (
@@ -53,40 +53,8 @@ MESHES = {
 }
 SIZES = {"line3": 1.0, "triangle6": 0.77 * 1.44, "quad9": 0.77 * 1.44}
 SIZES |= dict.fromkeys(("tetra10", "hexahedron27"), 0.77 * np.linalg.det(SHEAR))
-EDGES = {
-    "line3": [(0, 1)],
-    "triangle6": [(0, 1), (1, 2), (2, 0)],
-    "quad9": [(0, 1), (1, 2), (2, 3), (3, 0)],
-    "tetra10": [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
-    "hexahedron27": [
-        (0, 1),
-        (1, 2),
-        (2, 3),
-        (3, 0),
-        (4, 5),
-        (5, 6),
-        (6, 7),
-        (7, 4),
-        (0, 4),
-        (1, 5),
-        (2, 6),
-        (3, 7),
-    ],
-}
-# corners around the other nodes: faces x-, x+, y-, y+, z-, z+ of the hexahedron and the
-# centres
-CENTRES = {
-    "quad9": [(0, 1, 2, 3)],
-    "hexahedron27": [
-        (0, 3, 7, 4),
-        (1, 2, 6, 5),
-        (0, 1, 5, 4),
-        (3, 2, 6, 7),
-        (0, 1, 2, 3),
-        (4, 5, 6, 7),
-        range(8),
-    ],
-}
+# corners around each node that is not a corner
+AROUND = dict(cases_of(__file__, "corners_around_nodes", "cell", "corners"))
 
 
 def polynomial(points: np.ndarray, degree: int) -> np.ndarray:
@@ -154,18 +122,14 @@ def test_vtu_reads_back(cell, tmp_path):
     points = back.points[:, : mesh.dim()].T
     assert back.points.shape[1] == 3 and not back.points[:, mesh.dim() :].any()
     assert len(back.points) == space.size and "region" not in back.cell_data
-    for name, (space, _) in nodal.items():
-        if name != "u":
-            assert np.allclose(
-                back.point_data[name],
-                polynomial(points, space.degree),
-                rtol=0,
-                atol=1e-12,
-            )
-    assert back.point_data["u"].shape == (len(back.points), 3)
-    for k in range(3):
-        expected = polynomial(points, 2) + k if k < mesh.dim() else 0.0
-        assert np.allclose(back.point_data["u"][:, k], expected, rtol=0, atol=1e-12)
+    velocity = np.zeros((3, len(back.points)))
+    for k in range(mesh.dim()):
+        velocity[k] = polynomial(points, 2) + k
+    expected = {
+        name: polynomial(points, space.degree) for name, (space, _) in nodal.items()
+    }
+    for name, values in (expected | {"u": velocity.T}).items():
+        np.testing.assert_allclose(back.point_data[name], values, rtol=0, atol=1e-12)
 
 
 def test_vtu_node_order_is_that_of_vtk(cell, tmp_path):
@@ -176,10 +140,9 @@ def test_vtu_node_order_is_that_of_vtk(cell, tmp_path):
     (block,) = back.cells
     assert block.type == cell and len(block.data) == mesh.nelements
     nodes = back.points[block.data]
-    corners = 2 ** mesh.dim() if cell in CENTRES else mesh.dim() + 1
-    centres = [*EDGES[cell], *CENTRES.get(cell, [])]
-    assert nodes.shape[1] == corners + len(centres)
-    for k, around in enumerate(centres):
+    corners = 1 + max(map(max, AROUND[cell]))
+    assert nodes.shape[1] == corners + len(AROUND[cell])
+    for k, around in enumerate(AROUND[cell]):
         assert np.allclose(
             nodes[:, corners + k], nodes[:, around].mean(axis=1), rtol=0, atol=1e-14
         )
@@ -280,12 +243,6 @@ def test_vtu_refuses_nonsense(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_values_on_the_same_degree_are_not_touched(cell):
-    space = Space(MESHES[cell], 2)
-    values = np.random.default_rng(0).standard_normal(space.size)
-    assert np.array_equal(at_nodes(space, values, space), values)
-
-
 def test_series(tmp_path):
     write_series(
         tmp_path / "fields.pvd", [(0.0, "fields_0000.vtu"), (0.1 + 0.2, 'a&"b.vtu')]
@@ -319,17 +276,19 @@ def test_table_round_trip(tmp_path):
 
 
 def test_table_refuses_what_is_no_table(tmp_path):
-    path = tmp_path / "a.csv"
     for columns in ({}, {"x": [1.0], "y": [1.0, 2.0]}, {"x": np.zeros((2, 2))}):
         with pytest.raises(ValueError, match="one length"):
-            write_table(path, columns)
+            write_table(tmp_path / "a.csv", columns)
     with pytest.raises(ContbedError, match="No such file"):
-        read_table(path)
-    for text in ("", "x,y\n1\n", "x\nhello\n", "x,x\n1,2\n", "x\n1\n\n"):
-        path.write_text(text)
-        with pytest.raises(ContbedError, match="not a table") as caught:
-            read_table(path)
-        assert "\n" not in str(caught.value)
+        read_table(tmp_path / "a.csv")
+
+
+@each_case(__file__, "damaged_tables_are_told")
+def test_damaged_tables_are_told(tmp_path, text, told):
+    (tmp_path / "t.csv").write_text(text)
+    with pytest.raises(ContbedError, match=told) as caught:
+        read_table(tmp_path / "t.csv")
+    assert "not a table" in str(caught.value) and "\n" not in str(caught.value)
 
 
 SUMMARY = {
@@ -448,11 +407,7 @@ def test_result_table_is_plain_and_complete():
 
 
 def test_result_table_has_colour_on_a_terminal(monkeypatch):
-    class Terminal(io.StringIO):
-        def isatty(self):
-            return True
-
-    monkeypatch.setattr(sys, "stdout", Terminal())
+    monkeypatch.setattr(sys, "stdout", FakeTerminal())
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.delenv("NO_COLOR", raising=False)
     assert "\x1b[" in summary.table(SUMMARY)
@@ -828,24 +783,3 @@ def test_imports_are_lazy(tmp_path):
         command, capture_output=True, text=True, timeout=60, check=True
     )
     assert done.stdout.split("\n")[:2] == ["[]", "False"]
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("", "no header"),
-        ("a [1],a [1]\n1,2\n", "the same one twice"),
-        (
-            "a [1],b [1]\n1,2\n3\n",
-            r"t\.csv:3: .*1 values under 2 headers; run the command that wrote it again",
-        ),
-        (
-            "a [1],b [1]\n1,2\n3,4;5\n",
-            r"t\.csv:3: .*b \[1\] is '4;5', which is no number; run the command that wrote it again",
-        ),
-    ],
-)
-def test_damaged_tables_are_told(tmp_path, text, told):
-    (tmp_path / "t.csv").write_text(text)
-    with pytest.raises(ContbedError, match=told):
-        read_table(tmp_path / "t.csv")
