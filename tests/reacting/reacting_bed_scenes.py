@@ -150,17 +150,15 @@ def bilinear(N: float, r: float) -> dict[str, Any]:
     scene = let_move(isothermal("A:1", species(A=0.028, B=0.028)), -v * (1.0 - eps))
     scene["solids"]["particles"] |= solids()
     k = N * u * v / F
-    orders = {"A": 1.0, "S": 1.0}
-    scene["reactions"] = {
-        "r": {
-            "equation": "A + S -> B + P",
-            "A": k,
-            "E": 0.0,
-            "orders": orders,
-            "basis": "bed",
-        }
-    }
+    scene["reactions"] = {"r": takes_solid("A + S -> B + P", k)}
     return scene
+
+
+def takes_solid(equation: str, A: float) -> dict[str, Any]:
+    """A reaction of first order in a gas and in a solid."""
+    gas, _, solid, *_ = equation.split()
+    orders = {gas: 1.0, solid: 1.0}
+    return {"equation": equation, "A": A, "E": 0.0, "orders": orders, "basis": "bed"}
 
 
 def shrinking_core(N: float, n: float, f: float, d: float, r: float) -> dict[str, Any]:
@@ -249,16 +247,7 @@ def fixed_bed(
     scene["output"] |= {"positions": [scene["mesh"]["length"]]}
     if law == "bohart_adams":
         k = 1.0 / (MOLAR * full)
-        orders = {"A": 1.0, "S": 1.0}
-        scene["reactions"] = {
-            "r": {
-                "equation": "A + S -> B + P",
-                "A": k,
-                "E": 0.0,
-                "orders": orders,
-                "basis": "bed",
-            }
-        }
+        scene["reactions"] = {"r": takes_solid("A + S -> B + P", k)}
         return scene
     cores = shrinking_core(1.0, 1.0, f, d, r)
     scene["reactions"] = cores["reactions"]
@@ -314,26 +303,10 @@ def looping() -> dict[str, Any]:
     scene = isothermal("A:1", species(A=0.028, B=0.028, O=0.032, I=0.032))
     scene["solids"]["particles"] |= solids()
     k = 1e-3 / MOLAR
-    at = {"E": 0.0, "basis": "bed"}
-    scene["reactions"] = scene_of(
-        """
-
-        """,
-        {
-            "reduction": {
-                "equation": "A + S -> B + P",
-                "A": k,
-                "orders": {"A": 1.0, "S": 1.0},
-                **at,
-            },
-            "oxidation": {
-                "equation": "O + P -> I + S",
-                "A": 2.0 * k,
-                "orders": {"O": 1.0, "P": 1.0},
-                **at,
-            },
-        },
-    )
+    scene["reactions"] = {
+        "reduction": takes_solid("A + S -> B + P", k),
+        "oxidation": takes_solid("O + P -> I + S", 2.0 * k),
+    }
     scene["boundary"]["left"]["gas"]["composition"] = switched(["A:1", "O:1"], 600.0)
     set_keys(
         scene,

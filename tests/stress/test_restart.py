@@ -6,6 +6,8 @@ a ladder of integers, every sum is continued in the same order, and the checkpoi
 doubles. So all comparisons here are of bytes.
 """
 
+import contextlib
+import io
 import json
 import os
 import random
@@ -102,16 +104,16 @@ def scene(tmp_path_factory):
 def whole(scene, tmp_path_factory):
     """Folder of the uninterrupted run."""
     folder = tmp_path_factory.mktemp("whole")
-    assert finish([*COMMAND, scene, "--out", folder])[0] == 0
+    assert finish(scene, "--out", folder)[0] == 0
     return folder
 
 
-def finish(command) -> tuple[int, str]:
-    """Exit code and stderr."""
-    done = subprocess.run(
-        [str(word) for word in command], capture_output=True, text=True, timeout=120
-    )
-    return done.returncode, done.stderr
+def finish(scene, *options) -> tuple[int, str]:
+    """Exit code and stderr of a run in this process."""
+    told = io.StringIO()
+    with contextlib.redirect_stderr(told):
+        code = cli.main(["run", "--quiet", *map(str, (scene, *options))])
+    return code, told.getvalue()
 
 
 def start_until_checkpoint(scene: Path, folder: Path) -> subprocess.Popen:
@@ -159,7 +161,7 @@ def test_a_then_b_is_ab(text, call, tmp_path):
 
 
 def test_restart_of_a_finished_run_changes_nothing(scene, whole, tmp_path):
-    assert finish([*COMMAND, scene, "--restart", whole, "--out", tmp_path])[0] == 0
+    assert finish(scene, "--restart", whole, "--out", tmp_path)[0] == 0
     same(tmp_path, whole)
 
 
@@ -176,7 +178,7 @@ def killed(scene: Path, folder: Path, delay: float) -> None:
 )
 def test_kill_at_any_moment(scene, whole, tmp_path, seed):
     killed(scene, tmp_path, random.Random(seed).uniform(0.0, 0.2))
-    assert finish([*COMMAND, scene, "--restart", tmp_path])[0] == 0
+    assert finish(scene, "--restart", tmp_path)[0] == 0
     same(tmp_path, whole)
 
 
@@ -196,24 +198,24 @@ def test_kill_while_a_checkpoint_is_written(scene, whole, tmp_path):
         from contbed.cli import main
         main(["run", "--quiet", sys.argv[1], "--out", sys.argv[2]])
     """
-    run = [sys.executable, "-c", textwrap.dedent(code), scene, tmp_path]
-    assert finish(run)[0] == -signal.SIGKILL
+    run = [sys.executable, "-c", textwrap.dedent(code), str(scene), str(tmp_path)]
+    assert subprocess.run(run, capture_output=True).returncode == -signal.SIGKILL
     assert len(list(tmp_path.glob("checkpoint.npz.*.part"))) == 1
     assert json.loads((tmp_path / "summary.json").read_text())["status"] == "running"
-    assert finish([*COMMAND, scene, "--restart", tmp_path])[0] == 0
+    assert finish(scene, "--restart", tmp_path)[0] == 0
     assert not list(tmp_path.glob("*.part"))
     same(tmp_path, whole)
 
 
 def test_kill_before_the_first_checkpoint(scene, tmp_path):
-    code, message = finish([*COMMAND, scene, "--restart", tmp_path])
+    code, message = finish(scene, "--restart", tmp_path)
     assert code == 2
     assert (
         message
         == f"{tmp_path}: no checkpoint.npz to restart from; run the scene without "
         "--restart\n"
     )
-    code, message = finish([*COMMAND, scene, "--restart", tmp_path / "nothing"])
+    code, message = finish(scene, "--restart", tmp_path / "nothing")
     assert (code, message) == (
         2,
         f"{tmp_path / 'nothing'}: no such folder to restart from\n",
@@ -232,7 +234,7 @@ def test_interrupt_leaves_the_last_state(scene, whole, tmp_path):
     assert summary["qoi"]["time_steps"] > 0
     assert abs(summary["balances"]["energy"]["relative_residual"]) <= 1e-10
     assert (tmp_path / "profiles.csv").exists()
-    assert finish([*COMMAND, scene, "--restart", tmp_path])[0] == 0
+    assert finish(scene, "--restart", tmp_path)[0] == 0
     same(tmp_path, whole)
 
 
@@ -372,7 +374,7 @@ def test_a_steady_scene_has_nothing_to_restart(whole):
 def test_folder_that_cannot_be_written(scene, tmp_path):
     (tmp_path / "file").write_text("")
     began = time.monotonic()
-    code, message = finish([*COMMAND, scene, "--out", tmp_path / "file" / "results"])
+    code, message = finish(scene, "--out", tmp_path / "file" / "results")
     assert code == 1
     assert message.startswith(
         f"cannot write {tmp_path / 'file' / 'results'}: Not a directory; a file has "
@@ -391,7 +393,7 @@ def steady(**changes: str) -> str:
 
 def outcome(text: str, tmp_path: Path) -> tuple[int, str, dict]:
     (tmp_path / "bed.toml").write_text(text)
-    code, message = finish([*COMMAND, tmp_path / "bed.toml", "--out", tmp_path / "out"])
+    code, message = finish(tmp_path / "bed.toml", "--out", tmp_path / "out")
     return code, message, json.loads((tmp_path / "out" / "summary.json").read_text())
 
 
