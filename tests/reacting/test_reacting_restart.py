@@ -173,11 +173,3 @@ def test_restart_of_beds_goes_on_bit_for_bit(tmp_path, given):
     whole = contbed.run(given)
     interrupt(given, tmp_path / "a", *STOP)
     same_run(contbed.run(given, out=tmp_path / "b", restart=tmp_path / "a"), whole)
-
-
-
-
-
-
-
-

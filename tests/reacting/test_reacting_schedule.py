@@ -274,5 +274,3 @@ def test_mistakes_in_series(key, series, said):
     scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
     scene["boundary"]["left"]["gas"][key] = series
     refused(said, from_dict, scene)
-
-

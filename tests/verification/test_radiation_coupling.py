@@ -383,8 +383,6 @@ def test_one_dimension_stands_for_two_and_three():
         np.testing.assert_allclose(values_at(result, at), reference, rtol=0, atol=EQUAL)
 
 
-
-
 # temperatures far apart
 
 
