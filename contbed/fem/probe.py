@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -18,6 +18,8 @@ EVENLY = 401  # points along other meshes
 # shares of the width of the bed at which a line inside of the mesh is looked for, the
 # middle first
 ACROSS = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9)
+PIECES = 40  # of a line whose longest part inside of the mesh is looked for
+HALVINGS = 30  # of a piece, to find where the mesh ends
 ROUNDS = 30  # of Newton's method for the place of a point in its cell
 CLOSE = 1e-13  # change of a reference coordinate at which it ends
 
@@ -114,7 +116,8 @@ def line_along(
         other meshes at equal steps
     across : the other coordinates [m] of the line, in the order of the mesh's; None for
         the middle of the bed, the axis of a round one, or where that is not inside of
-        the mesh all along, the nearest of a few lines that are
+        the mesh all along, the nearest of a few lines that are, or else the longest
+        part of one that is
 
     Raises
     ------
@@ -143,24 +146,90 @@ def line_along(
         if across is None
         else [across]
     )
+
+    def at(place: Sequence[float], along: Array) -> Array:
+        points = np.empty((grid.dim(), len(along)))
+        points[mesh.axis], points[others] = along, np.asarray(place)[:, None]
+        return points
+
+    def where(place: Sequence[float]) -> str:
+        pairs = zip(others, place, strict=True)
+        return ", ".join(f"{names[other]} = {value:.4g} m" for other, value in pairs)
+
     for k, place in enumerate(lines):
-        points = np.empty((grid.dim(), len(positions)))
-        points[mesh.axis], points[others] = positions, np.asarray(place)[:, None]
         try:
-            probe = Probe(mesh, points)
+            probe = Probe(mesh, at(place, positions))
         except ValueError:
             continue
-        where = ", ".join(
-            f"{names[other]} = {value:.4g} m"
-            for other, value in zip(others, place, strict=True)
-        )
-        note = f"profiles are taken at {where}: the middle is not in the mesh"
+        note = f"profiles are taken at {where(place)}: the middle is not in the mesh"
         return Line(mesh, positions, probe, note if k else "", given, across)
+    if not given:
+        ends = (float(low[mesh.axis]), float(high[mesh.axis]))
+        parts = [_longest(_finder(mesh, partial(at, place)), *ends) for place in lines]
+        best = max(range(len(parts)), key=lambda k: parts[k][1] - parts[k][0])
+        (start, end), place = parts[best], lines[best]
+        if end > start:
+            positions = np.linspace(start, end, EVENLY)
+            note = (
+                f"profiles are taken at {where(place)}, from {names[mesh.axis]} = "
+                f"{start:.4g} to {end:.4g} m: no line lies in the mesh from end to end"
+            )
+            probe = Probe(mesh, at(place, positions))
+            return Line(mesh, positions, probe, note, given, across)
     raise SceneError(
         "output: no line along the bed lies in the mesh from end to end; give "
         "output.positions that do, "
         "or output.across, the other coordinates of the line"
     )
+
+
+def _finder(mesh: Mesh, at: Callable[[Array], Array]) -> Callable[[float], bool]:
+    """Return whether a mesh holds the point `at` a coordinate, as a function."""
+    find = replace(mesh.skfem, _boundaries=None, _subdomains=None).element_finder()
+
+    def inside(x: float) -> bool:
+        try:
+            find(*at(np.array([x])))
+        except ValueError:
+            return False
+        return True
+
+    return inside
+
+
+def _longest(
+    inside: Callable[[float], bool], low: float, high: float
+) -> tuple[float, float]:
+    """Return the ends of the longest part of a line from `low` to `high` that is
+    inside; of no length where none is.
+    """
+    x = np.linspace(low, high, PIECES + 1)
+    flags = np.array([False, *map(inside, x), False])
+    starts, ends = (
+        np.flatnonzero(flags[1:] & ~flags[:-1]),
+        np.flatnonzero(~flags[1:] & flags[:-1]) - 1,
+    )
+    if not len(starts):
+        return low, low
+    k = int(np.argmax(x[ends] - x[starts]))
+    first, last = starts[k], ends[k]
+    return (
+        _edge(inside, x[first], x[max(first - 1, 0)]),
+        _edge(inside, x[last], x[min(last + 1, PIECES)]),
+    )
+
+
+def _edge(inside: Callable[[float], bool], within: float, beyond: float) -> float:
+    """Return the last place inside between one that is and one that may not be."""
+    if inside(beyond):
+        return beyond
+    for _ in range(HALVINGS):
+        middle = 0.5 * (within + beyond)
+        if inside(middle):
+            within = middle
+        else:
+            beyond = middle
+    return within
 
 
 def peak(x: Array, y: Array) -> tuple[float, float]:

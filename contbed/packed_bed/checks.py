@@ -34,7 +34,6 @@ from contbed.packed_bed.velocity_checks import (
     velocities_are_given_once,
     velocities_fit_the_mesh,
     velocities_of_files_are_steps,
-    velocities_on_mesh_files_are_vectors,
 )
 from contbed.radiation.checks import (
     optics_attenuate,
@@ -573,7 +572,6 @@ CHECKS: tuple[Check, ...] = (
     names_exist,
     velocities_are_given_once,
     velocities_fit_the_mesh,
-    velocities_on_mesh_files_are_vectors,
     mesh_file_exists,
     the_packing_fits_the_bed,
     profiles_lie_in_the_bed,

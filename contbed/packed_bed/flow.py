@@ -15,6 +15,7 @@ from contbed.fem.ad.dual import Components
 from contbed.fem.skfem import System
 from contbed.fem.tensor_error import TensorGrid
 from contbed.mesh.mesh import Mesh
+from contbed.packed_bed.curved_inlet import inward_normals, mean_speed
 from contbed.packed_bed.equations import porous_flow
 from contbed.result import Result
 from contbed.solvers.newton import Options, newton
@@ -109,11 +110,11 @@ def is_along(mesh: Mesh, boundary: str, velocity: Any) -> bool:
     speed = max(float(np.linalg.norm(velocity)), 1e-300)
     if np.abs(_normals(mesh, boundary) @ velocity).max() <= PARALLEL * speed:
         return True
-    _slip_axis(mesh, boundary)
+    slip_axis(mesh, boundary)
     return False
 
 
-def _slip_axis(mesh: Mesh, boundary: str) -> int:
+def slip_axis(mesh: Mesh, boundary: str) -> int:
     """Return the axis across a slip wall, which may have two sides.
 
     Raises
@@ -169,6 +170,8 @@ def equations_of(
 ) -> FlowEquations:
     """Return the discrete equations of the flow of a plan; see `flow_equations`."""
     c, inlet = coefficients(plan), plan.velocity
+    if plan.curved_inlet:
+        inlet = float(np.linalg.norm(inlet))
     return flow_equations(plan.mesh, c, inlet, plan.conditions, local, system)
 
 
@@ -209,6 +212,7 @@ def flow_equations(
 ) -> FlowEquations:
     """Return the discrete equations of a flow; see `solved_flow`.
 
+    `inlet` is a vector, or the speed along the normals of a curved inlet [m/s];
     `conditions` maps each boundary to inlet, outlet, no_slip or slip; `system` is that
     of an earlier flow on this mesh.
     """
@@ -218,13 +222,23 @@ def flow_equations(
     if system is None:
         system = make_system(mesh, {"u": (2, dim), "p": (1, 0)}, 9 if kink else 5)
     velocities = np.full(system.size, np.nan)
-    for kind in ("slip", "no_slip", "inlet"):
+    curved = np.ndim(inlet) == 0
+    # what enters along normals does not cross a wall beside the inlet
+    last = ("inlet", "slip") if curved else ("slip", "inlet")
+    for kind in ("no_slip", *last):
         for name in (
             name for name, condition in conditions.items() if condition == kind
         ):
+            if kind == "inlet" and curved:
+                numbers, normals = inward_normals(system, name)
+                velocities[numbers] = normals
+                continue
             facets = mesh.skfem.boundaries[name]
             for component, value in _values(mesh, name, kind, inlet).items():
                 velocities[system.nodes("u", facets, component)] = value
+    if curved:
+        inlets = [name for name, kind in conditions.items() if kind == "inlet"]
+        velocities *= inlet / mean_speed(system, inlets, velocities)
     given = np.flatnonzero(np.isfinite(velocities))
     fixed = given
     # between walls the pressure is known but for a constant
@@ -276,7 +290,7 @@ def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:
         return {k: float(inlet[k]) for k in range(dim)}
     if kind == "no_slip":
         return dict.fromkeys(range(dim), 0.0)
-    return {_slip_axis(mesh, name): 0.0}
+    return {slip_axis(mesh, name): 0.0}
 
 
 def coefficients(plan: Any) -> porous_flow.Coefficients:

@@ -73,7 +73,7 @@ def velocity_vector(
     if isinstance(value, tuple):
         return value
     if isinstance(mesh, MeshFile):
-        return (value,)  # too few components, of which `checks` speak
+        return (value, *still[1:])  # until the mesh is known, see `with_vectors`
     for axis, (low, high) in enumerate(mesh.sides):
         if name in (low, high) and value:
             inward = value if name == low else -value

@@ -274,7 +274,7 @@ def _inlets(plan: Plan) -> list[str]:
 
 def _volume_flow(plan: Plan, problem: Any) -> float:
     """Return the volume flow of the fluid at the inlet [m3/s]."""
-    speed = float(np.abs(plan.velocity[plan.mesh.axis]))
+    speed = float(np.linalg.norm(plan.velocity))
     area = sum(
         float(np.sum(part.weight))
         for name in _inlets(plan)

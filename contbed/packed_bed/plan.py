@@ -36,10 +36,12 @@ from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.pressure import lifted
 from contbed.packed_bed.radiation import cheapest
 from contbed.packed_bed.recognition import (
+    curved_inlet,
     is_plug_flow,
     role_in_flow,
     tracks_fronts,
     velocities,
+    with_vectors,
 )
 from contbed.packed_bed.schedule import (
     PHASES,
@@ -48,7 +50,7 @@ from contbed.packed_bed.schedule import (
     flow_changes,
     kinks_passed,
 )
-from contbed.packed_bed.schedule_checks import require_flow
+from contbed.packed_bed.schedule_checks import require_flow, require_plug_flow
 from contbed.packed_bed.sides import lines_of, on_a_line
 from contbed.plan_text import plan_text
 from contbed.scene.mesh import SIDE, MeshAxisymmetric, MeshFile, MeshLine
@@ -119,12 +121,21 @@ class Plan:
         return self.scene.time is not None and not self.fronts
 
     @property
+    def curved_inlet(self) -> str:
+        """Boundary of a mesh file that the gas enters along its normals; empty
+        otherwise.
+        """
+        return curved_inlet(self.solved)
+
+    @property
     def without_ranks(self) -> str:
         """What the scene has that does not run on several ranks, as text; empty if
         there is nothing.
         """
         if self.schedule:
             return "values that change with time"
+        if self.curved_inlet:
+            return "a gas that enters through a curved boundary"
         return (
             "fronts tracked along characteristics (a bed at rest without conduction)"
             if self.fronts
@@ -275,6 +286,7 @@ class Plan:
         """Return the scene that is solved for one that is frozen at a time."""
         frozen = frozen.model_copy(update={"radiation": self.solved.radiation})
         frozen = frozen.with_inside(self.solved.solid.inside)
+        frozen = with_vectors(frozen, self.mesh)
         line = None if self.solved.mesh is self.scene.mesh else on_a_line(frozen)
         return frozen if line is None else line[0]
 
@@ -312,7 +324,7 @@ class Plan:
         fluid = self.medium.fluid if scene.gas == self.scene.gas else None
         medium = Medium.of(target, fluid)
         line = None if self.solved.mesh is self.scene.mesh else on_a_line(target)
-        target, section = line or (target, 1.0)
+        target, section = line or (with_vectors(target, self.mesh), 1.0)
         velocity, solid = velocities(target)
         return replace(
             self,
@@ -395,7 +407,6 @@ def plan(scene: s.Scene) -> Plan:
         skipped.append(("2-D and 3-D mesh", sides))
     target, section = line or (scene, 1.0)
     grid = target.mesh
-    velocity, solid = velocities(target)
     fronts = not schedule and tracks_fronts(target, medium)
     targets = [
         each[0] if line and each else frozen
@@ -403,14 +414,18 @@ def plan(scene: s.Scene) -> Plan:
     ]
     grids = [nodes(each, medium, *velocities(each), fronts) for each in targets]
     mesh = mesh_of(target, grids[0] if len(grids) == 1 else _finest_each(grids))
-    if not isinstance(grid, MeshLine):
-        mesh = replace(mesh, axis=bed_axis(grid, written.boundary))
     ends = [
         name
         for name in target.boundary
         if name != SIDE or not isinstance(grid, MeshLine)
     ]
     require_names(target.origin, mesh, {"boundary": ends, "region": target.region})
+    target = with_vectors(target, mesh)
+    velocity, solid = velocities(target)
+    if not isinstance(grid, MeshLine):
+        of_file = isinstance(grid, MeshFile)
+        boundary = target.boundary if of_file else written.boundary
+        mesh = replace(mesh, axis=bed_axis(grid, boundary))
     automatic = (
         not isinstance(grid, MeshFile) and grid.cells is None and not grid.refine
     )
@@ -425,6 +440,8 @@ def plan(scene: s.Scene) -> Plan:
         name: role_in_flow(target, mesh, name, velocity) for name in mesh.boundaries
     }
     plug = is_plug_flow(target, mesh, conditions, velocity)
+    if not plug:
+        require_plug_flow(written)
     of_line = "z" if isinstance(scene.mesh, MeshAxisymmetric) else "xyz"
     coordinate = ("rz" if mesh.axisymmetric else of_line)[mesh.axis]
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"

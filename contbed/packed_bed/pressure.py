@@ -87,14 +87,14 @@ def lifted(plan: Any, T: Array) -> str:
 
     The bed axis of round beds points upwards, and a bed that moves descends. A bed at
     rest on another mesh has no direction, for which the warning is conditional. Left
-    out are walls without slip, which carry a part of the bed, and particles that are
-    not denser than the fluid.
+    out are walls without slip, which carry a part of the bed, streams through curved
+    inlets, and particles that are not denser than the fluid.
     """
     medium, axis = plan.medium, plan.mesh.axis
     velocity, solid = float(plan.velocity[axis]), float(plan.velocity_solid[axis])
     upright = plan.coordinate == "z"
     upwards = velocity > 0 if upright else velocity * solid <= 0
-    if medium.solid is None or velocity == 0.0 or not upwards:
+    if medium.solid is None or velocity == 0.0 or not upwards or plan.curved_inlet:
         return ""
     _, density, gradient = _resistance(plan, T)
     weight = (

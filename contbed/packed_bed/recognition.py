@@ -4,6 +4,8 @@ the roles of its boundaries.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,12 @@ import numpy as np
 from contbed.errors import SceneError
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed import scene as s
-from contbed.packed_bed.inlets import role, velocity_vector
+from contbed.packed_bed.inlets import (
+    given_velocity,
+    role,
+    velocities_given,
+    velocity_vector,
+)
 from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.schedule import PHASES, thermal_conditions
@@ -21,6 +28,8 @@ from contbed.scene.mesh import (
     MeshLine,
 )
 from contbed.scene.series import ProfileFile
+from contbed.scene.toml_lines import dotted
+from contbed.scene.values import with_value
 
 
 def velocities(scene: s.Scene) -> tuple[Any, Any]:
@@ -130,6 +139,45 @@ def tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
     return bool(still and only_inlet and solid_free and np.any(fluid))
 
 
+def with_vectors(scene: s.Scene, mesh: Mesh) -> s.Scene:
+    """Return a scene with vectors in place of speeds into planes of a mesh file; a
+    speed of the gas into a curved boundary stays.
+
+    Raises
+    ------
+    SceneError : a curved boundary gives the speed of solids, or of a gas that leaves
+    """
+    from contbed.packed_bed.flow import constant_normal
+
+    if not isinstance(scene.mesh, MeshFile):
+        return scene
+    for phase, name, speed, key in velocities_given(scene.boundary):
+        if isinstance(speed, tuple):
+            continue
+        normal = constant_normal(mesh, name)
+        if normal is not None:
+            vector = tuple((-speed * normal + 0.0).tolist())
+            boundary = with_value(scene.boundary, key[1:], vector)
+            scene = scene.model_copy(update={"boundary": boundary})
+        elif phase == "solid" or speed < 0.0:
+            what = "solids move as one body" if phase == "solid" else "the gas leaves"
+            raise SceneError(
+                f"{scene.origin.at(key)}: {dotted(key)}: '{name}' is curved, and "
+                f"{what}: give a list, the vector of the velocity in the mesh"
+            )
+    return scene
+
+
+def curved_inlet(scene: s.Scene) -> str:
+    """Return the boundary with the speed of the gas into a curved boundary, of a scene
+    `with_vectors`; empty if none has.
+    """
+    name, speed = given_velocity(scene.boundary, "fluid") or ("", 0.0)
+    if not isinstance(scene.mesh, MeshFile) or isinstance(speed, tuple):
+        return ""
+    return name if speed else ""
+
+
 def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
     """Return "inlet", "outlet", "slip" or "no_slip" of one boundary."""
     given = role(scene.mesh, tuple(velocity.tolist()), name, scene.boundary)
@@ -145,6 +193,15 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
         < 1e-12
     ):
         return "slip"
+    entered = curved_inlet(scene)
+    if name == entered:
+        return "inlet"
+    if entered:
+        raise SceneError(
+            f"{scene.origin.name}: boundary.{name}: the gas enters through "
+            f"'{entered}', which is curved, so that its way is not known: say "
+            f'[boundary.{name}] type = "outlet", "slip" or "no_slip"'
+        )
     from contbed.packed_bed.flow import constant_normal
 
     normal = constant_normal(mesh, name)
@@ -181,9 +238,15 @@ def is_plug_flow(
     # a radial flow slows down with the radius
     if mesh.axisymmetric and velocity[0]:
         return False
-    from contbed.packed_bed.flow import is_across, is_along
+    from contbed.packed_bed.flow import is_across, is_along, slip_axis
 
     file = scene.origin.name
+    walls = [name for name, kind in conditions.items() if kind == "slip"]
+    if curved_inlet(scene):
+        with _of_file(file):
+            for name in walls:
+                slip_axis(mesh, name)
+        return False
     beside = [
         name
         for name, kind in conditions.items()
@@ -200,9 +263,15 @@ def is_plug_flow(
             f'boundary.{beside[0]}: say [boundary.{unsaid[0]}] type = "outlet" or '
             '"no_slip"'
         )
-    walls = [name for name, kind in conditions.items() if kind == "slip"]
-    try:
+    with _of_file(file):
         along = [is_along(mesh, name, velocity) for name in walls]
+    return all(along) and not beside
+
+
+@contextmanager
+def _of_file(file: str) -> Iterator[None]:
+    """Name the file of a scene in its mistakes."""
+    try:
+        yield
     except SceneError as error:
         raise SceneError(f"{file}: {error}") from error
-    return all(along) and not beside

@@ -159,8 +159,8 @@ class PhaseCondition(ThermalCondition):
     """
 
     velocity: VelocityOrSeries | None = None
-    """superficial, mean over the boundary, into the bed; a list is a vector, needed
-    with a mesh file; one boundary gives it for the whole bed, absent: at rest"""
+    """superficial, mean over the boundary, into the bed; a list is a vector; one
+    boundary gives it for the whole bed, absent: at rest"""
 
     @property
     def ties(self) -> bool:

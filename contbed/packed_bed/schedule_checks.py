@@ -32,31 +32,40 @@ NAMES = {"fluid": "gas", "solid": "solid"}
 
 
 def require_flow(scene: s.Scene) -> None:
-    """Refuse a bed at rest without [heat], and a flow that changes with time where
-    no-slip walls shape it.
+    """Refuse a bed at rest without [heat].
 
     Raises
     ------
-    SceneError : with file, line and remedy
+    SceneError : with file and line
     """
-    text = ""
     plug = all(conditions.type != "no_slip" for conditions in scene.boundary.values())
     given = given_velocity(scene.boundary, "fluid")
     velocity = 0.0 if given is None else given[1]
     moves = any(velocity) if isinstance(velocity, tuple) else velocity
     if plug and scene.heat is None and not moves:
         text = "nothing to solve: the gas is at rest and there is no [heat] table"
-    if not plug and any(path[-1] == VELOCITY for path, _ in series_of(scene.boundary)):
-        text = (
-            "velocities that change with time are for plug flow, and a wall has type = "
-            '"no_slip"; make it "slip", or '
-            "run one scene for each velocity, each with the [initial] temperatures "
-            "from the profiles.csv of the one "
-            "before"
+        raise _about_flow(scene, text)
+
+
+def require_plug_flow(scene: s.Scene) -> None:
+    """Refuse velocities that change with time in a bed whose flow is computed.
+
+    Raises
+    ------
+    SceneError : with file, line and remedy
+    """
+    if any(path[-1] == VELOCITY for path, _ in series_of(scene.boundary)):
+        raise _about_flow(
+            scene,
+            "velocities that change with time are for plug flow; make walls with "
+            'type = "no_slip" "slip", or run one scene for each velocity, each with '
+            "the [initial] temperatures from the profiles.csv of the one before",
         )
-    if text:
-        key = velocity_key(scene.boundary, "fluid")
-        raise SceneError(f"{scene.origin.at(parse_key(key))}: {key}: {text}")
+
+
+def _about_flow(scene: s.Scene, text: str) -> SceneError:
+    key = velocity_key(scene.boundary, "fluid")
+    return SceneError(f"{scene.origin.at(parse_key(key))}: {key}: {text}")
 
 
 def initial_profiles_fit_the_bed(

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
-
-from contbed.errors import SceneError
 from contbed.packed_bed.inlets import enters, key_of, velocities_given
 from contbed.packed_bed.schedule import PHASES
 from contbed.packed_bed.schedule_checks import (
@@ -14,9 +10,9 @@ from contbed.packed_bed.schedule_checks import (
     at_each_time,
 )
 from contbed.scene.checking import Mistakes, See
-from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile
+from contbed.scene.mesh import Mesh, MeshAxisymmetric
 from contbed.scene.series import VelocitySeries
-from contbed.scene.toml_lines import Origin, dotted
+from contbed.scene.toml_lines import dotted
 
 
 @at_each_time
@@ -47,47 +43,6 @@ def velocities_fit_the_mesh(mesh: Mesh, boundary: Boundaries, see: See) -> Mista
                 f"runs along '{name}'; give it at the boundary where the "
                 f"{NAMES[phase]} enters",
             )
-
-
-def velocities_on_mesh_files_are_vectors(
-    mesh: Mesh, boundary: Boundaries, origin: Origin
-) -> Mistakes:
-    """Check that velocities in a mesh file are vectors; say which one a number
-    means.
-    """
-    if not isinstance(mesh, MeshFile):
-        return
-    for _, name, value, key in velocities_given(boundary):
-        numbers = value.values if isinstance(value, VelocitySeries) else (value,)
-        number = next((each for each in numbers if not isinstance(each, tuple)), None)
-        if number is None:
-            continue
-        normal = _outward_normal(mesh, name, origin.base)
-        if normal is None:
-            yield key, "give a list, the vector of the velocity in the mesh"
-            continue
-        vector = [float(f"{-number * part:.12g}") + 0.0 for part in normal]
-        yield (
-            key,
-            f"give the vector, a list: {vector} for {number:g} m/s straight into the "
-            f"bed, by the normal of '{name}' in {mesh.file}",
-        )
-
-
-def _outward_normal(mesh: MeshFile, name: str, base: Path) -> Any:
-    """Return the outward normal of a plane boundary of a mesh file; None if it is
-    not plane, or the file cannot be read without gmsh.
-    """
-    from contbed.mesh.build import build
-    from contbed.packed_bed.flow import constant_normal
-
-    if Path(mesh.file).suffix != ".msh":
-        return None
-    try:
-        built = build(mesh, base=str(base))
-    except SceneError:
-        return None
-    return constant_normal(built, name) if name in built.boundaries else None
 
 
 def velocities_are_given_once(boundary: Boundaries, see: See) -> Mistakes:
