@@ -3,9 +3,6 @@ written, what costs nothing.
 """
 
 import json
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -207,19 +204,6 @@ def test_plan_and_convergence_from_the_command_line(tmp_path, capsys):
     assert command(f"converge {STUDY}/p1.toml --levels 2 --out {tmp_path}") == 0
     assert command("explain bubbling_bed.height") == 0
     assert "> 0 m" in capsys.readouterr().out
-
-
-def test_other_scenes_do_not_pay():
-    scene = Path(cb.__file__).parent / "packed_bed" / "template.toml"
-    code = (
-        "import sys; import contbed as cb\n"
-        f"cb.run(cb.load({str(scene)!r}, {{'output.plots': False}}))\n"
-        "print(*[name for name in sys.modules if 'bubbling' in name])"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert done.stdout.strip() == ""
 
 
 def test_overrides_and_dictionaries():

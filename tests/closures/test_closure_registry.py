@@ -10,8 +10,6 @@ import doctest
 import importlib
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +18,7 @@ import pytest
 from contbed import closures
 from contbed.closures.arguments import RESULTS, argument
 from contbed.closures.sheet import Docstring
+from tests.imported import modules_after
 from tests.refusals import refused
 
 SECTIONS = (
@@ -269,11 +268,4 @@ def test_a_new_kind_needs_a_unit(scratch_register):
 
 def test_import_costs_numpy_only():
     heavy = {"scipy", "skfem", "pydantic", "matplotlib", "CoolProp", "cantera", "numba"}
-    code = (
-        "import sys, contbed.closures; print(*{name.partition('.')[0] for name in "
-        "sys.modules})"
-    )
-    loaded = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    ).stdout.split()
-    assert not heavy & set(loaded)
+    assert not heavy & modules_after("import contbed.closures")

@@ -24,6 +24,7 @@ from contbed.dem.walls import SKIN, Domain, box
 from contbed.errors import ConvergenceError, EngineError
 from contbed.loading import loads
 from tests.dem import gpu_scenes
+from tests.imported import modules_after
 
 ROOT = Path(__file__).parents[2]
 MOTION = ("position", "velocity", "spin", "T")
@@ -252,11 +253,8 @@ def test_scenes_without_moving_particles_are_refused(scene, words):
 
 
 def test_it_is_loaded_only_where_it_is_asked_for():
-    code = (
-        "import sys, contbed.dem.packing; assert not {'numba.cuda.api', "
-        "'contbed.dem.gpu'} & set(sys.modules)"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
+    found = modules_after("import contbed.dem.packing")
+    assert not {"numba.cuda.api", "contbed.dem.gpu"} & found
 
 
 def on_a_gpu():

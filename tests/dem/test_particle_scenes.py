@@ -3,8 +3,6 @@ mistakes with file and line.
 """
 
 import json
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -290,15 +288,6 @@ def test_what_does_not_apply_to_particles(tmp_path):
         "nothing to restart",
         lambda: cb.run(cb.load(STUDIES / "lattices/sc.toml"), restart=tmp_path),
     )
-
-
-def test_other_scenes_import_no_particles():
-    code = (
-        "import sys, contbed as cb\n"
-        f"cb.run(cb.load({str(STUDIES / 'patil_packed_bed/schumann.toml')!r}))\n"
-        "assert not [name for name in sys.modules if name.startswith('contbed.dem')]\n"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_former_keys_name_the_present_ones():

@@ -2,8 +2,6 @@
 made nor lost.
 """
 
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,6 +25,7 @@ from contbed.two_fluid.model import Options
 from studies._exact.packed_bed import schumann
 from tests.balances import assert_closed
 from tests.cases import each_case
+from tests.imported import modules_after
 from tests.refusals import refusal, refused
 from tests.restarts import interrupt, same_run
 from tests.scene_text import changed, scene_of
@@ -195,22 +194,10 @@ def test_moving_bed_keeps_heat_and_gas(shape, ideal):
 
 
 def test_isothermal_beds_know_nothing_of_heat():
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-c",
-            "import sys, contbed.two_fluid.run as s; print(*[name for name in "
-            "sys.modules if 'two_fluid' in name])",
-        ],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert "contbed.two_fluid.step" in done.stdout
-    assert not {
-        "contbed.two_fluid.heat.equations",
-        "contbed.two_fluid.heat.plan",
-    } & set(done.stdout.split())
+    found = modules_after("import contbed.two_fluid.run")
+    assert "contbed.two_fluid.step" in found
+    heat = {"contbed.two_fluid.heat.equations", "contbed.two_fluid.heat.plan"}
+    assert not heat & found
 
 
 def test_constant_density_leaves_the_flow_alone():

@@ -1,7 +1,5 @@
 """Built-in meshes, refinement and grading."""
 
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -178,19 +176,6 @@ def test_given_nodes_are_used_instead_of_cells():
 def test_refine_of_the_table_is_applied():
     settings = MeshBox(**{**BOX, "refine": 1})
     assert build(settings).skfem.nelements == 8 * 24
-
-
-def test_import_needs_neither_gmsh_nor_meshio():
-    code = (
-        "import sys, contbed.mesh.mesh; print([name for name in ('gmsh', 'meshio') "
-        "if name in sys.modules])"
-    )
-    assert (
-        subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=True
-        ).stdout
-        == "[]\n"
-    )
 
 
 widths = st.floats(-9, 1).map(lambda exponent: 10.0**exponent)

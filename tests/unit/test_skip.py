@@ -2,8 +2,6 @@
 matrix, no step.
 """
 
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +12,8 @@ import contbed as cb
 from contbed.loading import from_dict
 from contbed.packed_bed.heat import HeatProblem
 from tests.cases import each_case
+from tests.imported import modules_after
 from tests.scene_text import scene_of
-
-PACKAGE = Path(cb.__file__).parent
 
 BED: dict[str, Any] = scene_of(
     """
@@ -68,89 +65,43 @@ def problem(made: Any) -> HeatProblem:
     return HeatProblem(made)
 
 
-def modules(code: str) -> set[str]:
-    """Modules that are loaded after some code, with their parents."""
-    program = f"import sys\n{code}\nprint(*sys.modules)"
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    return set(done.stdout.split())
-
-
 def after_run(scene: dict[str, Any], out: Path | None = None) -> set[str]:
     place = None if out is None else str(out)
     code = (
         "import contbed as cb\nfrom contbed.loading import from_dict\n"
         f"cb.run(from_dict({scene!r}), out={place!r})"
     )
-    return modules(code)
+    return modules_after(code)
 
 
 def test_importing_contbed_imports_nothing_heavy():
-    found = {name for name in modules("import contbed") if name.startswith("contbed")}
-    assert found == {"contbed", "contbed.compiled", "contbed.compiled.cache"}
-    heavy = {
-        "scipy",
-        "skfem",
-        "pydantic",
-        "matplotlib",
-        "meshio",
-        "gmsh",
-        "numba",
-        "pint",
-        "cantera",
-        "CoolProp",
-    }
-    assert not (heavy | {"typer", "rich"}) & modules("import contbed")
+    found = modules_after("import contbed")
+    own = {name for name in found if name.startswith("contbed")}
+    assert own == {"contbed", "contbed.compiled", "contbed.compiled.cache"}
+    heavy = "scipy skfem pydantic matplotlib meshio gmsh numba pint cantera CoolProp"
+    assert not {*heavy.split(), "typer", "rich"} & found
+
+
+# of other libraries; parts of scipy that take longer to import than the run takes
+UNWANTED = """
+    cantera CoolProp pint gmsh meshio matplotlib rich numba joblib typer
+    scipy.integrate scipy.optimize
+"""
+NOT_SOLVED = """
+    packed_bed.flow packed_bed.transient packed_bed.equations.porous_flow
+    packed_bed.equations.fronts radiation.problem radiation.results
+    radiation.ordinates radiation.rosseland radiation.equations.p1
+    radiation.equations.ordinates course.dirk solvers.continuation mesh.gmsh
+    scene.units output sweep bubbling_bed reacting_bed two_fluid dem cfd_dem cli
+    fem.line_dg closures.formula chemistry
+"""
 
 
 def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
-    unwanted = {
-        "cantera",
-        "CoolProp",
-        "pint",
-        "gmsh",
-        "meshio",
-        "matplotlib",
-        "rich",
-        "numba",
-        "joblib",
-        "typer",
-    }
+    unwanted = {*UNWANTED.split()}
     found = after_run(COARSE)
     assert not unwanted & found
-    own = {
-        *(
-            "packed_bed.flow",
-            "packed_bed.transient",
-            "packed_bed.equations.porous_flow",
-            "packed_bed.equations.fronts",
-        ),
-        *(
-            "radiation.problem",
-            "radiation.results",
-            "radiation.ordinates",
-            "radiation.rosseland",
-        ),
-        *(
-            "radiation.equations.p1",
-            "radiation.equations.ordinates",
-            "course.dirk",
-            "solvers.continuation",
-        ),
-        *(
-            "mesh.gmsh",
-            "scene.units",
-            "output",
-            "sweep",
-            "bubbling_bed",
-            "two_fluid",
-            "dem",
-            "cfd_dem",
-            "cli",
-        ),
-    }
-    assert not {f"contbed.{name}" for name in own} & found
+    assert not {f"contbed.{name}" for name in NOT_SOLVED.split()} & found
     written = after_run(BED, tmp_path)
     assert not unwanted & written
     assert sorted(path.name for path in tmp_path.iterdir()) == [

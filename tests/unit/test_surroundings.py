@@ -264,16 +264,3 @@ def test_the_folder_of_another_user_is_not_taken(tmp_path, monkeypatch):
     chosen = Path(os.environ["NUMBA_CACHE_DIR"])
     monkeypatch.setenv("NUMBA_CACHE_DIR", "")
     assert chosen.parent == tmp_path and chosen != planted
-
-
-def test_a_small_run_does_not_import_what_it_does_not_use(tmp_path):
-    """Parts of scipy that take longer to import than a small run takes to solve."""
-    (tmp_path / "scene.toml").write_text(STEADY)
-    code = """
-        import sys
-        import contbed as cb
-        cb.run(cb.load("scene.toml"), out="out")
-        print([name for name in ("scipy.integrate", "scipy.optimize", "numba", "cantera") if name in sys.modules])
-    """
-    done = python(code, cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (0, "[]\n"), done.stderr
