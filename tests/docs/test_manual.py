@@ -31,6 +31,16 @@ BLOCK = re.compile(
 sys.path.insert(0, str(ROOT / "docs" / "_ext"))
 
 
+def quick_of(pages, quick):
+    """Pages as parameters of a test, slow but for those that are named."""
+    return [
+        pytest.param(
+            page, id=page.stem, marks=[] if page.stem in quick else pytest.mark.slow
+        )
+        for page in pages
+    ]
+
+
 def blocks(page):
     """Language, file name and text of each block of code."""
     return [
@@ -101,13 +111,14 @@ def test_an_error_that_is_no_number_is_refused(tmp_path, broken):
         cases(tmp_path)
 
 
-def test_the_page_of_messages_has_those_of_each_way_to_report(tmp_path):
+def test_the_page_of_messages_has_those_of_each_way_to_report(tmp_path, monkeypatch):
     """Each of these is reported in its own way: raised, yielded by a check, added to
     warnings, remarked; a missing one means that a kind of message is not read.
     """
-    from messages import messages, write_page
+    import messages
 
-    kinds = {each.text: each.kind for each in messages(ROOT / "contbed")}
+    found = messages.messages(ROOT / "contbed")
+    kinds = {each.text: each.kind for each in found}
     cases = {
         "the bed is ... m large; if the file is in ..., set mesh.scale = ...": "warning",
         "a temperature of ... K; it must be above 0": "error",
@@ -116,7 +127,8 @@ def test_the_page_of_messages_has_those_of_each_way_to_report(tmp_path):
         "its checksum is wrong: the file was changed or damaged": "ValueError",
     }
     assert {text: kinds.get(text) for text in cases} == cases
-    write_page(tmp_path / "messages.md", ROOT / "contbed")
+    monkeypatch.setattr(messages, "messages", lambda package: found)
+    messages.write_page(tmp_path / "messages.md", ROOT / "contbed")
     text = (tmp_path / "messages.md").read_text(encoding="utf-8")
     assert "## scene" in text
     assert "| `a temperature of ... K; it must be above 0` | error |" in text
@@ -144,7 +156,6 @@ def test_scenes_of_the_tutorials_have_the_keys_of_their_schema():
     assert found == 4
 
 
-@pytest.mark.slow
 def run_blocks(page, capsys):
     """Run the blocks of a page in their order in the working directory: files are
     written, commands run; return the text of the Python blocks.
@@ -167,7 +178,7 @@ def run_blocks(page, capsys):
     return program
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", quick_of(PAGES, ("first_bed",)))
 def test_every_block_runs(page, tmp_path, monkeypatch, capsys):
     """All in one folder, and Python in one process."""
     monkeypatch.chdir(tmp_path)
@@ -181,16 +192,11 @@ def test_every_block_runs(page, tmp_path, monkeypatch, capsys):
 
 
 # the processor time of the others is 5 to 30 s
-QUICK_PROBLEMS = ("moving_bed", "rock_store", "reformer_tube")
-PROBLEMS = [
-    pytest.param(
-        page,
-        id=page.stem,
-        marks=[] if page.stem in QUICK_PROBLEMS else pytest.mark.slow,
-    )
-    for page in sorted((ROOT / "docs" / "problems").glob("*.md"))
-    if page.stem != "index"
-]
+FOLDER = ROOT / "docs" / "problems"
+PROBLEMS = quick_of(
+    sorted({*FOLDER.glob("*.md")} - {FOLDER / "index.md"}),
+    ("moving_bed", "rock_store", "reformer_tube"),
+)
 ROW = re.compile(
     r"^\| `(?P<name>.+?)` \| (?P<hand>[-+.e\d]+) \| (?P<run>[-+.e\d]+) \| "
     r"(?P<within>[.\d]+) % \|$",

@@ -116,7 +116,7 @@ def test_the_first_step_and_the_end_do_not_decide_how_many_steps_follow(monkeypa
     """
     random, steps, leaves = np.random.default_rng(7), [], []
     times = np.linspace(0.3, 2.0, 18)
-    for _ in range(6):
+    for _ in range(4):
         scene = in_series()
         set_keys(scene, 'mesh.cells = 20\npacked_bed.gas_storage = "stored"')
         scene["time"] = {"end": random.uniform(2.0, 3.0), "times": times.tolist()}
