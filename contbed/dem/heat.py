@@ -27,6 +27,7 @@ STEFAN_BOLTZMANN = 5.670374419e-8  # [W/m2/K4]
 # radius of a particle's radiating environment over its diameter (below Eq. 9)
 VIEW = 1.5
 CLOSED = (False, False, False)
+Paths = Literal["cones", "columns", "spreading"]
 VORONOI = ("columns", "spreading")  # paths that need the faces of Voronoi cells
 
 
@@ -66,7 +67,7 @@ class Conduction(NamedTuple):
     eps: ArrayLike = 0.4
     factor: float = 1.0
     contact_radius: float | None = None
-    paths: Literal["cones", "columns", "spreading"] = "cones"
+    paths: Paths = "cones"
     surface: Surface | None = None
 
 

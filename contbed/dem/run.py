@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contbed.arrays import Array
-from contbed.dem import extract, heat, network
+from contbed.dem import extract, heat, network, plausibility
 from contbed.dem.heat_pair import correction
 from contbed.dem.particle_files import write_particles
 from contbed.dem.plan import ParticlePlan, settled
@@ -55,15 +55,24 @@ def _conduct(plan: ParticlePlan, result: Result, folder: Path | None) -> None:
     scene = plan.scene
     pairs = _pairs(plan)
     parts = _conductances(plan, pairs, scene.solid.conductivity)
+    found = _solve(plan, pairs, parts)
     fill(
         result,
         plan,
-        _solve(plan, pairs, parts),
+        found,
         int((parts["contact"] > 0).sum()),
         _correction(scene),
     )
+    conducted = {}
     if scene.particles.closure is not None:
-        _fit_closure(plan, pairs, result, folder)
+        conducted = _fit_closure(plan, pairs, result, folder)
+    if scene.k_gas is not None:
+        ratio = scene.solid.conductivity / scene.k_gas
+        k = _by_conduction(plan, pairs, parts, found.mean)
+        judged = {ratio: k / scene.k_gas} | conducted
+        result.warnings += plausibility.judge(
+            judged, plan.porosity, scene.particles.paths
+        )
 
 
 def _pairs(plan: ParticlePlan) -> heat.Pairs:
@@ -130,6 +139,16 @@ def _solve(
     )
 
 
+def _by_conduction(
+    plan: ParticlePlan, pairs: heat.Pairs, parts: dict[str, Array], k: float
+) -> float:
+    """Return the conductivity [W/m/K] without radiation, where `k` includes it."""
+    if "radiation" not in parts:
+        return k
+    rest = {name: part for name, part in parts.items() if name != "radiation"}
+    return _solve(plan, pairs, rest).mean
+
+
 def _correction(scene: ParticleScene) -> float:
     """Return the contact radius of the material over that of a softer simulation."""
     simulated, real = scene.particles.simulated_modulus, scene.solid.youngs_modulus
@@ -163,9 +182,9 @@ def _surface(scene: ParticleScene) -> Surface | None:
 
 def _fit_closure(
     plan: ParticlePlan, pairs: heat.Pairs, result: Result, folder: Path | None
-) -> None:
+) -> dict[float, float]:
     """Fit the effective conductivity over ratios of conductivity and write
-    closure.toml.
+    closure.toml; return k_eff/k_fluid by conduction at each ratio.
     """
     from contbed.scene.identity import scene_hash
 
@@ -173,10 +192,12 @@ def _fit_closure(
     table, fluid = scene.particles.closure, scene.k_gas
     assert table is not None and fluid is not None
     ratios = np.unique(table.ratios)
-    k = [
-        _solve(plan, pairs, _conductances(plan, pairs, ratio * fluid)).mean / fluid
-        for ratio in ratios
-    ]
+    k, conducted = [], {}
+    for ratio in ratios:
+        parts = _conductances(plan, pairs, ratio * fluid)
+        found = _solve(plan, pairs, parts).mean
+        k.append(found / fluid)
+        conducted[float(ratio)] = _by_conduction(plan, pairs, parts, found) / fluid
     eps = plan.porosity + SCATTER * np.linspace(-1.0, 1.0, len(ratios))
     data = {extract.RATIO: ratios, "eps": eps}
     fit = extract.fit_log_polynomial(
@@ -188,3 +209,4 @@ def _fit_closure(
             folder / "closure.toml",
             {"scene": Path(scene.origin.name).name, "scene_hash": scene_hash(scene)},
         )
+    return conducted

@@ -132,6 +132,41 @@ def test_radiation_adds_to_the_conductivity(folder):
     assert hot["share_radiation"] > 0.5 and "share_radiation" not in cold
 
 
+FCC = """
+[particles.lattice]
+type = "fcc"
+contact_radius = 15e-6
+[particles.closure]
+ratios = [2, 30, 60, 100, 200]
+[solids.zirconia]
+diameter = 3e-3
+conductivity = 2.2
+emissivity = 0.5
+[gas]
+conductivity = 0.25
+"""
+
+
+@pytest.mark.parametrize("more", ["", "[radiation]\ntemperature = 800.0\n"])
+def test_conduction_beyond_the_bounds_of_hashin_and_shtrikman_warns(more):
+    eps, alpha = 1 - np.pi / 18**0.5, 0.25 / 2.2 - 1
+    # Hashin and Shtrikman 1962: k_1 + v_2/(1/(k_2 - k_1) + v_1/(3 k_1)), over k_fluid
+    high = (2.2 + eps / (1 / (2.2 * alpha) + (1 - eps) / 6.6)) / 0.25
+    low = (0.25 + (1 - eps) / (-1 / (2.2 * alpha) + eps / 0.75)) / 0.25
+    (warning,) = cb.run(loads(FCC + more)).warnings
+    # the closure at 30 and more is within its bounds; radiation does not count
+    assert f"porosity: 6.489 at 8.8 ({low:.4g} to {high:.4g}), 3.298 at 2 (" in warning
+    assert warning.count(" to ") == 2
+    assert warning.endswith('misses there, try "columns" or "spreading"')
+
+
+def test_spreading_columns_keep_the_bounds():
+    text = 'particles.paths = "spreading"\n' + FCC.replace(
+        "ratios = [2", "ratios = [20"
+    )
+    assert not cb.run(loads(text)).warnings
+
+
 def test_a_run_writes_its_closure(tmp_path):
     scene = cb.load(STUDIES / "zhou_2010_etc/glass.toml", {"output.plots": False})
     result = cb.run(scene, out=tmp_path)
