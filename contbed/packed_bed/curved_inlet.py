@@ -1,5 +1,5 @@
-"""The velocity of a gas that enters through a curved boundary, of a radial bed say,
-along the normal of each place.
+"""Velocities at the nodes of an inlet: along its normals, where it is curved, and along
+the walls beside it.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ import numpy as np
 from contbed.arrays import Array, Integers
 from contbed.fem.skfem import System
 from contbed.packed_bed.equations import porous_flow
+
+ALONG = 1e-9  # a velocity counts as along a wall below this sine
 
 
 def inward_normals(system: System, name: str) -> tuple[Integers, Array]:
@@ -33,9 +35,31 @@ def mean_speed(system: System, names: list[str], velocities: Array) -> float:
     that are not given are NaN.
     """
     parts = [part for name in names for part in system.boundary(name)]
+    if not parts:
+        return 0.0
     area = sum(float(np.sum(part.weight)) for part in parts)
     state = np.nan_to_num(velocities)
     return -float(system.integrate(porous_flow.volume_flow, parts, state)) / area
+
+
+def turn_along(
+    system: System, inlets: list[str], walls: list[str], velocities: Array
+) -> bool:
+    """Turn velocities at nodes of inlets on walls along these, which nothing crosses;
+    return whether any crossed.
+    """
+    crossed = False
+    entering = [system.nodes("u", system.mesh.boundaries[name]) for name in inlets]
+    for name in walls:
+        numbers, normals = inward_normals(system, name)
+        shared = np.isin(numbers[0], np.concatenate([[], *entering]))
+        numbers, normals = numbers[:, shared], normals[:, shared]
+        across = np.sum(velocities[numbers] * normals, axis=0)
+        speeds = np.linalg.norm(velocities[numbers], axis=0)
+        found = np.abs(across) > ALONG * speeds
+        velocities[numbers[:, found]] -= (across * normals)[:, found]
+        crossed = crossed or bool(found.any())
+    return crossed
 
 
 def _outward(mesh: Any, facets: Any) -> Array:

@@ -15,7 +15,7 @@ from contbed.fem.ad.dual import Components
 from contbed.fem.skfem import System
 from contbed.fem.tensor_error import TensorGrid
 from contbed.mesh.mesh import Mesh
-from contbed.packed_bed.curved_inlet import inward_normals, mean_speed
+from contbed.packed_bed.curved_inlet import inward_normals, mean_speed, turn_along
 from contbed.packed_bed.equations import porous_flow
 from contbed.result import Result
 from contbed.solvers.newton import Options, newton
@@ -223,12 +223,12 @@ def flow_equations(
         system = make_system(mesh, {"u": (2, dim), "p": (1, 0)}, 9 if kink else 5)
     velocities = np.full(system.size, np.nan)
     curved = np.ndim(inlet) == 0
-    # what enters along normals does not cross a wall beside the inlet
-    last = ("inlet", "slip") if curved else ("slip", "inlet")
-    for kind in ("no_slip", *last):
-        for name in (
-            name for name, condition in conditions.items() if condition == kind
-        ):
+    of_kind = {
+        kind: [name for name, condition in conditions.items() if condition == kind]
+        for kind in ("slip", "no_slip", "inlet")
+    }
+    for kind, names in of_kind.items():
+        for name in names:
             if kind == "inlet" and curved:
                 numbers, normals = inward_normals(system, name)
                 velocities[numbers] = normals
@@ -236,9 +236,10 @@ def flow_equations(
             facets = mesh.skfem.boundaries[name]
             for component, value in _values(mesh, name, kind, inlet).items():
                 velocities[system.nodes("u", facets, component)] = value
-    if curved:
-        inlets = [name for name, kind in conditions.items() if kind == "inlet"]
-        velocities *= inlet / mean_speed(system, inlets, velocities)
+    inlets, walls = of_kind["inlet"], [*of_kind["slip"], *of_kind["no_slip"]]
+    wanted = inlet if curved else mean_speed(system, inlets, velocities)
+    if turn_along(system, inlets, walls, velocities) or curved:
+        velocities *= wanted / mean_speed(system, inlets, velocities)
     given = np.flatnonzero(np.isfinite(velocities))
     fixed = given
     # between walls the pressure is known but for a constant

@@ -1,5 +1,5 @@
-"""A gas that enters along the normals of a curved boundary: pressure drop and
-temperature of radial flows, and what is refused.
+"""A gas that enters along the normals of a curved boundary, or beside an oblique wall:
+pressure drop and temperature of radial flows, volumes, and what is refused.
 """
 
 from __future__ import annotations
@@ -105,6 +105,46 @@ def test_a_quarter_of_a_ring(tmp_path):
     assert result.qoi["T_fluid_out_K"] == pytest.approx(350.0, rel=1e-9)
     (note,) = result.warnings
     assert "no line lies in the mesh from end to end" in note
+
+
+WEDGE = """
+Point(1) = {0, 0, 0, 0.02};
+Point(2) = {0.3, 0, 0, 0.04};
+Point(3) = {0.3, 0.25, 0, 0.04};
+Point(4) = {0, 0.1, 0, 0.02};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 1};
+Curve Loop(1) = {1, 2, 3, 4};
+Plane Surface(1) = {1};
+Physical Curve("floor") = {1};
+Physical Curve("shell") = {2};
+Physical Curve("side") = {3};
+Physical Curve("core") = {4};
+Physical Surface("bed") = {1};
+"""
+
+
+def test_nothing_crosses_an_oblique_wall_beside_the_inlet(tmp_path):
+    """A channel that widens: 0.5 m/s through 0.1 m enter, to rounding, and heat by the
+    wall alone is what the gas takes up.
+    """
+    hot = {"coefficient": 20.0, "ambient": 400.0}
+    result = cb.run(
+        scene(
+            tmp_path,
+            WEDGE,
+            **{
+                "boundary.core.gas": {"velocity": [0.5, 0.0], "temperature": 300.0},
+                "boundary.side": {"type": "no_slip", "gas": hot},
+                "heat": {},
+                "closures.nusselt": 10.0,
+            },
+        )
+    )
+    assert result.balances["fluid volume"]["in"] == pytest.approx(0.05, rel=1e-12)
+    assert result.qoi["heat_side_W"] == pytest.approx(result.qoi["duty_W"], rel=1e-9)
 
 
 @pytest.mark.slow
