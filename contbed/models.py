@@ -177,8 +177,8 @@ def _reacts(values: Mapping[str, Any]) -> bool:
             for each in solids
         )
         or (
-            # constants have no species, whatever flux enters
-            not any("density" in each for each in gas)
+            # such a gas has no species, whatever flux enters
+            not any(_is_of_one_substance(each) for each in gas)
             and any(
                 {"mass_flux", "molar_flux", "composition"} & each.keys()
                 for each in entering
@@ -188,6 +188,14 @@ def _reacts(values: Mapping[str, Any]) -> bool:
             {"sherwood", "dispersion_mass"} & each.keys()
             for each in _tables(values.get("closures"))
         )
+    )
+
+
+def _is_of_one_substance(gas: Mapping[str, Any]) -> bool:
+    """Return whether a table of a gas speaks of constants, a material or one fluid."""
+    return bool(
+        gas.get("model") in ("constant", "coolprop")
+        or {"density", "material", "name"} & gas.keys()
     )
 
 

@@ -71,7 +71,8 @@ def translate(
     found = at(values, path)
     if kind == "extra_forbidden":
         known = schema.keys(_locate(error["loc"][:-1], root)[1])
-        return path, f"unknown key; {nearest(str(path[-1]), known)}"
+        hint = nearest(str(path[-1]), known) if known else "this table has no keys"
+        return path, f"unknown key; {hint}"
     if kind == "missing":
         table = (
             node.get("type") == "object" or "$ref" in node or "discriminator" in node

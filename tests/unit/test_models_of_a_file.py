@@ -10,7 +10,7 @@ from small_scenes import STEADY
 from contbed.loading import loads
 from contbed.models import MODELS, plan
 from contbed.plan_text import plan_text
-from tests.refusals import refused
+from tests.refusals import problems_of, refused
 
 OTHERS = """\
 [two_fluid]
@@ -66,3 +66,48 @@ def test_solids_that_collide_on_a_mesh_are_two_fluids_without_their_table():
     bare = re.sub(r"(?m)^model = .*$", "", text)
     assert "[two_fluid]" not in bare
     assert loads(bare).kind == "two_fluid"
+
+
+CARBON_DIOXIDE = """\
+[mesh]
+type = "line"
+length = 1.5
+[gas]
+model = "coolprop"
+name = "CO2"
+pressure = "85 bar"
+T_range = ["10 degC", "250 degC"]
+[solids.pebbles]
+material = "steel"
+diameter = 0.01
+[packed_bed]
+porosity = 0.4
+[heat]
+source = 2.5e5
+[boundary.left]
+gas.mass_flux = 2.0
+gas.temperature = "20 degC"
+"""
+
+
+@pytest.mark.parametrize("first", ["", 'model = "packed_bed"\n'])
+@pytest.mark.parametrize("gas", ["coolprop", "constant"])
+def test_a_flux_of_one_substance_is_refused_by_name_in_a_packed_bed(first, gas):
+    text = CARBON_DIOXIDE
+    if gas == "constant":
+        head, tail = text.index("model"), text.index("[solids")
+        text = text[:head] + 'material = "air"\n' + text[tail:]
+    found = problems_of(loads, first + text)
+    assert [each.split(": ")[1] for each in found] == [
+        "heat.source = 250000.0",
+        "boundary.left.gas.mass_flux = 2.0",
+    ]
+    assert "give region.bed.solids.heat_source" in found[0]
+    assert "give gas.velocity, the flux over the density" in found[1]
+
+
+def test_a_table_without_keys_says_so():
+    text = CARBON_DIOXIDE.replace("source", "colour").replace("mass_flux", "velocity")
+    assert problems_of(loads, text) == [
+        "scene.toml:15: heat.colour = 250000.0: unknown key; this table has no keys"
+    ]
