@@ -1,6 +1,7 @@
 """Efficiency by indirect losses against the heat to surfaces, and emissions by hand."""
 
 import pytest
+from pytest import approx
 from reacting_scenes import tables
 
 import contbed as cb
@@ -25,7 +26,7 @@ def test_the_indirect_efficiency_is_what_surfaces_take(boiler):
     )
     # heats of formation of the fuel are given to some 1e-5 of its heating value
     direct = taken / boiler["fuel_power_W"]
-    assert boiler["boiler_efficiency"] == pytest.approx(direct, abs=5e-5)
+    assert boiler["boiler_efficiency"] == approx(direct, abs=5e-5)
     assert 0.3 < boiler["loss_flue_gas"] < 0.7 and 0.0 < boiler["loss_solids"] < 0.01
 
 
@@ -33,11 +34,11 @@ def test_emissions_by_hand(boiler):
     """100 ppm of CO at 6 % of O2 are 125 mg/m3; of air twice as diluted they count
     twice.
     """
-    assert emission(1e-4, 0.06, 0.02801) == pytest.approx(124.97, rel=1e-3)
+    assert emission(1e-4, 0.06, 0.02801) == approx(124.97, rel=1e-3)
     half = 0.209 - 0.5 * (0.209 - 0.06)
-    assert emission(1e-4, half, 0.02801) == pytest.approx(2.0 * 124.97, rel=1e-3)
+    assert emission(1e-4, half, 0.02801) == approx(2.0 * 124.97, rel=1e-3)
     expected = emission(boiler["x_CO_dry"], boiler["x_O2_dry"], 0.02801)
-    assert boiler["emission_CO_mg_m3"] == pytest.approx(expected, rel=1e-4)
+    assert boiler["emission_CO_mg_m3"] == approx(expected, rel=1e-4)
 
 
 def test_a_gasifier_has_no_efficiency_of_a_boiler():

@@ -5,6 +5,7 @@ bed with everything in it.
 import numpy as np
 import pytest
 from bubbling_scenes import case1, one, solids, values
+from pytest import approx
 from scipy.optimize import brentq
 
 import contbed as cb
@@ -48,19 +49,17 @@ def test_folds_of_a_stirred_bed():
     found = [result.qoi["fold_1"], result.qoi["fold_2"]]
     # mixing of 1e7 W/m/K leaves differences of W RISE exp(-E/T) H/(A k), 3e-3 to 2e-2
     # K, along the height
-    assert found == pytest.approx(exact, abs=1e-2)
+    assert found == approx(exact, abs=1e-2)
     table = result.tables["continuation"]
     p, T = table["boundary.bottom.gas.temperature [K]"], table["T_inert [K]"]
     assert p[0] == 600 and p[-1] == 760
-    assert T - RISE * np.exp(-E / T) == pytest.approx(p, abs=2e-2)
+    assert T - RISE * np.exp(-E / T) == approx(p, abs=2e-2)
     assert set(table["turns [1]"]) == {0.0, 1.0, 2.0}
 
 
 def test_back_from_the_ignited_side():
     result = cb.run(stirred(2500.0, 760.0, 600.0))
-    assert [result.qoi["fold_1"], result.qoi["fold_2"]] == pytest.approx(
-        [661.4, 708.4], abs=1
-    )
+    assert [result.qoi["fold_1"], result.qoi["fold_2"]] == approx([661.4, 708.4], abs=1)
 
 
 @pytest.mark.slow
@@ -84,10 +83,10 @@ def test_a_bed_with_radiation_ignites_at_a_fold():
         table = result.tables["continuation"]
         p, T = table["bubbling_bed.release.rate [W/m**3]"], table["T_inert [K]"]
         assert p[-1] == p[0] == 1e6 and list(table["turns [1]"][[0, -1]]) == [0.0, 1.0]
-        assert T[0] == pytest.approx(result.qoi["T_inert_mid_K"], abs=20)
+        assert T[0] == approx(result.qoi["T_inert_mid_K"], abs=20)
         # below the state that a hot guess leads to, 1234.9 K
         assert T[0] + 300 < T[-1] < 1230
-    assert found[0] == pytest.approx(found[1], rel=1e-4)  # of the meshes
+    assert found[0] == approx(found[1], rel=1e-4)  # of the meshes
 
 
 @pytest.mark.parametrize(
@@ -112,7 +111,7 @@ def test_distance_to_the_first_fold():
         )
     )
     assert first.qoi["fold_1"] == whole.qoi["fold_1"] and "fold_2" not in first.qoi
-    assert first.qoi["fold_distance"] == pytest.approx(
+    assert first.qoi["fold_distance"] == approx(
         1.0 - first.qoi["fold_1"] / 760.0, rel=1e-12
     )
     assert len(first.tables["continuation"]["turns [1]"]) < len(
@@ -123,7 +122,7 @@ def test_distance_to_the_first_fold():
 
 def test_distance_without_a_fold_is_that_to_the_end_of_the_branch():
     result = cb.run(stirred(2500.0, 760.0, 700.0))
-    assert "fold_1" not in result.qoi and result.qoi["fold_distance"] == pytest.approx(
+    assert "fold_1" not in result.qoi and result.qoi["fold_distance"] == approx(
         1.0 - 700.0 / 760.0
     )
 
@@ -158,7 +157,7 @@ def test_how_folds_move_with_a_key():
         for q, name in enumerate(made.qoi):
             found = (ends[0][name] - ends[1][name]) / 2e-4
             # of central differences with folds to 1e-9 of the span: 1e-6 K over 2e-4
-            assert made.derivatives[q, k] * changed.value == pytest.approx(
+            assert made.derivatives[q, k] * changed.value == approx(
                 found, rel=1e-5, abs=1e-5 * made.values[q]
             ), name
     # a fold in the gas temperature does not know that of the scene

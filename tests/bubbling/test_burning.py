@@ -8,6 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from pytest import approx
 
 import contbed
 from contbed.bubbling_bed.burning import BURNING, explained, heat_balance
@@ -45,10 +46,10 @@ def test_the_heat_balance_by_hand():
     capacity = C * 48.6 + water * 38.6 + oxygen * 33.2 + 0.79 * air * 31.1
     brought = air * 29.3 * (423.15 - 298.15)
     gas = capacity * (BURNING - 298.15) - brought
-    assert found.gas == pytest.approx(gas, rel=0.01)
-    assert found.moisture == pytest.approx(0.175 / 0.018015 * 44.0e3, rel=0.01)
+    assert found.gas == approx(gas, rel=0.01)
+    assert found.moisture == approx(0.175 / 0.018015 * 44.0e3, rel=0.01)
     area = 5.0 * 0.5 * 1.3  # tubes along the bed as it first stands
-    assert found.surfaces == pytest.approx(300.0 * area * (BURNING - 523.15), rel=0.35)
+    assert found.surfaces == approx(300.0 * area * (BURNING - 523.15), rel=0.35)
     assert found.burnt == 1.0
 
 
@@ -82,5 +83,5 @@ def test_a_boiler_finds_its_burning_state(name):
     """The state that 1500 and 1800 K lead to as well."""
     result = contbed.run(contbed.load(FOLDER / f"{name}.toml"))
     assert result.qoi["ignited"] == 1.0
-    assert result.qoi["T_sand_mid_K"] == pytest.approx(1021.3168, abs=1e-3)
+    assert result.qoi["T_sand_mid_K"] == approx(1021.3168, abs=1e-3)
     assert abs(result.balances["energy"]["relative_residual"]) < 1e-10

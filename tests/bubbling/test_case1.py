@@ -11,6 +11,7 @@ import csv
 import numpy as np
 import pytest
 from bubbling_scenes import STUDY, case1
+from pytest import approx
 
 import contbed as cb
 from contbed.bubbling_bed.checks import two_flux_is_low
@@ -46,11 +47,11 @@ def test_p1_against_collocation(cells):
     result = cb.run(case1("p1", mesh={"cells": cells} if cells else {}))
     # 2e-4 K: the reference's refinement and last digit; 20 cells are within 1e-3 K
     tolerance = 2e-4 if cells is None else 1e-3
-    assert {name: result.qoi[name] for name in P1} == pytest.approx(P1, abs=tolerance)
+    assert {name: result.qoi[name] for name in P1} == approx(P1, abs=tolerance)
     # 1e-2 W is the last digit printed; on 20 cells the top, a layer of 1 mm, is the
     # worst
     accuracy = {"rel": 2e-8, "abs": 6e-3} if cells is None else {"rel": 3e-5}
-    assert {name: result.qoi[name] for name in P1_DUTIES} == pytest.approx(
+    assert {name: result.qoi[name] for name in P1_DUTIES} == approx(
         P1_DUTIES, **accuracy
     )
 
@@ -58,7 +59,7 @@ def test_p1_against_collocation(cells):
 def test_without_radiation_against_collocation():
     result = cb.run(case1("none"))
     # the reference is printed to 1e-2 K
-    assert {name: result.qoi[name] for name in NONE} == pytest.approx(NONE, abs=6e-3)
+    assert {name: result.qoi[name] for name in NONE} == approx(NONE, abs=6e-3)
     assert abs(result.qoi["tubes_convection_W"] - 495.9e3) < 50
     assert result.qoi["tubes_radiation_W"] == result.qoi["top_radiation_W"] == 0.0
 
@@ -71,7 +72,7 @@ def test_every_level_against_the_collocation_of_the_study(name):
     for key, value in exact.items():
         # the automatic mesh aims at 1e-6 of the temperatures; a duty has six decimals
         tolerance = {"abs": 2e-5} if key.endswith("_K") else {"rel": 2e-8, "abs": 1e-9}
-        assert qoi[key] == pytest.approx(value, **tolerance), key
+        assert qoi[key] == approx(value, **tolerance), key
 
 
 @pytest.mark.parametrize(
@@ -85,7 +86,7 @@ def test_balances_close(path):
     heat = (
         result.qoi["distributor_convection_W"] + result.qoi["distributor_radiation_W"]
     )
-    assert heat == pytest.approx(
+    assert heat == approx(
         690.0 * (1 - np.exp(-2.5)) * (result.qoi["T_distributor_K"] - 300.0), rel=1e-9
     )
 

@@ -5,6 +5,7 @@ Cantera, limits of char, yields.
 import cantera
 import numpy as np
 import pytest
+from pytest import approx
 from reacting_scenes import of_gases, particles
 
 from contbed.bubbling_bed.chemistry import reactions as cr
@@ -89,9 +90,9 @@ def test_heats_of_reaction_are_those_of_cantera(law):
             / 1e3
         )
         # published coefficients jump by up to 1 J/mol at 1000 K, which is smoothed here
-        assert float(
-            thermo.equilibrium(law.stoichiometry).heat(temperature)
-        ) == pytest.approx(exact, abs=2.0)
+        assert float(thermo.equilibrium(law.stoichiometry).heat(temperature)) == approx(
+            exact, abs=2.0
+        )
 
 
 @pytest.mark.parametrize(
@@ -105,17 +106,15 @@ def test_equilibrium_constants_are_those_of_cantera(law):
             for name, n in law.stoichiometry.items()
         )
         exact = -g / (cantera.gas_constant * temperature)
-        assert float(ln_K(law.stoichiometry, temperature)) == pytest.approx(
-            exact, abs=2e-4
-        )
+        assert float(ln_K(law.stoichiometry, temperature)) == approx(exact, abs=2e-4)
 
 
 def test_published_equilibria():
     pressure = np.exp(ln_K(rs.CALCINATION.stoichiometry, 1171.0)) * 101325.0
     # 898 degC: 101 kPa, Handbook of Chemistry and Physics
-    assert pressure == pytest.approx(101e3, rel=0.1)
+    assert pressure == approx(101e3, rel=0.1)
     shift = BY_REACTION["water_gas_shift"]["biba"].stoichiometry
-    assert np.exp(ln_K(shift, 1100.0)) == pytest.approx(
+    assert np.exp(ln_K(shift, 1100.0)) == approx(
         0.0265 * np.exp(3968.0 / 1100.0), rel=0.06
     )
 
@@ -132,7 +131,7 @@ def test_slopes_by_temperature_are_exact():
         rs.carbon_per_oxygen,
     ):
         found = function(at).tangents["T"]
-        assert found == pytest.approx(
+        assert found == approx(
             (function(T + 1e-2) - function(T - 1e-2)) / 2e-2, rel=1e-6, abs=1e-9
         )
 
@@ -165,13 +164,11 @@ def test_reversible_reactions_stand_still_in_equilibrium_with_detailed_balance(n
 def test_fractional_orders_are_straight_below_a_trace():
     law = BY_REACTION["CO_oxidation"]["howard"]
     full = {"CO": 0.1, "O2": 1.0, "H2O": 1.0}
-    assert law.rate(1100.0, full, 1e-4) == pytest.approx(
-        law.constant(1100.0) * 0.1, rel=1e-8
-    )
+    assert law.rate(1100.0, full, 1e-4) == approx(law.constant(1100.0) * 0.1, rel=1e-8)
     assert law.rate(1100.0, full | {"O2": 0.0}, 1e-4) == 0.0
     # what is missing is given back
     assert law.rate(1100.0, full | {"O2": -1e-6}, 1e-4) < 0.0
-    assert r.power(1e-8, 0.25, 1e-4) == pytest.approx(1e-8 * 1e-4**-0.75, rel=1e-7)
+    assert r.power(1e-8, 0.25, 1e-4) == approx(1e-8 * 1e-4**-0.75, rel=1e-7)
 
 
 def char(model="shrinking", diameter=2e-3, **factors):
@@ -187,11 +184,11 @@ def test_char_burns_at_the_limits_of_kinetics_and_of_the_film():
     p, C = 1e5, 0.5
     kinetic, film = char(char_combustion=1e-9), char(char_combustion=1e12)
     law = rs.CHAR_LAWS["char_combustion"]["field"]
-    assert kinetic.combustion_rate(1100.0, 1100.0, C, p) == pytest.approx(
+    assert kinetic.combustion_rate(1100.0, 1100.0, C, p) == approx(
         kinetic.surface * 1e-9 * law.constant(1100.0) * C
     )
     D = rs.diffusion_in_nitrogen("O2", 0.031998, 1100.0, p)
-    assert film.combustion_rate(1100.0, 1100.0, C, p) == pytest.approx(
+    assert film.combustion_rate(1100.0, 1100.0, C, p) == approx(
         film.surface * 1.5 * D / (0.8 * 2e-3) * C
     )
     CO = cr.Char(
@@ -202,7 +199,7 @@ def test_char_burns_at_the_limits_of_kinetics_and_of_the_film():
         1.5,
         {"char_combustion": (law, t.CharCombustion(products="CO", factor=1e12))},
     )
-    assert CO.combustion_rate(1100.0, 1100.0, C, p) == pytest.approx(
+    assert CO.combustion_rate(1100.0, 1100.0, C, p) == approx(
         2.0 * film.combustion_rate(1100.0, 1100.0, C, p)
     )
 
@@ -211,7 +208,7 @@ def test_diffusion_of_oxygen_in_nitrogen():
     """Measured: 0.181 cm2/s at 273 K and 1 atm (Marrero and Mason 1972,
     doi:10.1063/1.3253094).
     """
-    assert rs.diffusion_in_nitrogen("O2", 0.031998, 273.15, 101325.0) == pytest.approx(
+    assert rs.diffusion_in_nitrogen("O2", 0.031998, 273.15, 101325.0) == approx(
         1.81e-5, rel=0.05
     )
 
@@ -231,7 +228,7 @@ def test_population_of_a_mixed_bed_by_quadrature(model):
     mean = (time * np.pi * size**2 * speed).sum() / (time * volume).sum()
     population = rs.POPULATIONS[model]
     found = population.surface / d / (1.0 / k + population.film * d / ShD)
-    assert found == pytest.approx(mean, rel=1e-6)  # of the midpoint rule
+    assert found == approx(mean, rel=1e-6)  # of the midpoint rule
 
 
 def test_gasification_stands_still_in_equilibrium_and_is_held_by_the_film():
@@ -247,7 +244,7 @@ def test_gasification_stands_still_in_equilibrium_and_is_held_by_the_film():
     flux = film.surface * 1.5 * D / (0.8 * 2e-3) * 0.3 * 1e5 / (R_GAS * 1150.0)
     assert film.gasification_rate(
         "char_steam", 1150.0, 1150.0, {"H2O": 0.3, "CO": 0.0, "H2": 0.0}, 1e5
-    ) == pytest.approx(flux)
+    ) == approx(flux)
 
 
 def test_lime_calcines_above_its_equilibrium_and_fills_with_sulphate():
@@ -266,7 +263,7 @@ def test_lime_calcines_above_its_equilibrium_and_fills_with_sulphate():
     )
     # 490 cm4/mol/s exp(-17,500 cal/mol / RT) times the surface [cm2/g] is k_v [1/s],
     # halfway up its rising branch
-    assert lime.sulphation_rate(1150.0, 0.01, 2.0, 0.0) == pytest.approx(
+    assert lime.sulphation_rate(1150.0, 0.01, 2.0, 0.0) == approx(
         490.0
         * np.exp(-17500.0 * 4.184 / 8.314462618 / 1150.0)
         * (35.9 * 1150.0 - 3.67e4)
@@ -285,14 +282,12 @@ def test_sulphate_gives_off_sulphur_dioxide_up_to_its_equilibrium():
     """
     lime = cr.Lime("stone", 1e-3, 2600.0, None, 1.0, 0.4, 2e-7)
     p = {"CO": 500.0, "CO2": 0.0, "SO2": 0.0}
-    assert lime.reduction_rate(1123.15, p, 3.0) == pytest.approx(
-        2e-7 * 500.0 * 3.0, rel=1e-6
-    )
-    assert lime.reduction_rate(1123.15, p | {"CO": 1000.0}, 3.0) == pytest.approx(
+    assert lime.reduction_rate(1123.15, p, 3.0) == approx(2e-7 * 500.0 * 3.0, rel=1e-6)
+    assert lime.reduction_rate(1123.15, p | {"CO": 1000.0}, 3.0) == approx(
         2e-7 * 1000.0 * 3.0, rel=1e-6
     )
     growth = np.exp(57.8e3 * 4.184 / R_GAS * (1.0 / 1123.15 - 1.0 / 1200.0))
-    assert lime.reduction_rate(1200.0, p, 3.0) == pytest.approx(
+    assert lime.reduction_rate(1200.0, p, 3.0) == approx(
         2e-7 * growth * 500.0 * 3.0, rel=1e-6
     )
     K = float(
@@ -325,11 +320,11 @@ def test_volatiles_hold_every_element(name):
             / ATOMIC_WEIGHTS[element]
             / V
         )
-        assert made == pytest.approx(given, rel=1e-12, abs=1e-12)
+        assert made == approx(given, rel=1e-12, abs=1e-12)
     assert min(found.yields.values()) > 0
     assert sum(
         n * species[gas].molar_mass for gas, n in found.yields.items()
-    ) == pytest.approx(1.0, rel=1e-12)
+    ) == approx(1.0, rel=1e-12)
 
 
 def test_a_guess_that_holds_the_elements_is_kept():
@@ -338,7 +333,7 @@ def test_a_guess_that_holds_the_elements_is_kept():
         sum(n * elements_of(gas).get(e, 0) for gas, n in guess.items())
         for e in dv.BALANCED
     ]
-    assert dv.balanced(guess, elements) == pytest.approx(guess, rel=1e-13)
+    assert dv.balanced(guess, elements) == approx(guess, rel=1e-13)
     with pytest.raises(SceneError, match="no amounts"):
         dv.balanced(guess, [1.0, 1.0, 5.0])  # more oxygen than CO2 and H2O can hold
 
@@ -376,8 +371,6 @@ def test_heat_of_formation_gives_the_heating_value_back():
     left += oxygen * float(species["O2"].enthalpy(T0))
     right = sum(n * float(species[name].enthalpy(T0)) for name, n in products.items())
     # O2, N2 and graphite are off zero by 10 J/mol at 298.15 K
-    assert (left - right) * 0.92 == pytest.approx(30e6, rel=1e-4)
+    assert (left - right) * 0.92 == approx(30e6, rel=1e-4)
     assert 28e6 < data.lower * 0.92 < 30e6
-    assert fuel_data(fuel(heating_value=None)).heating_value == pytest.approx(
-        31.8e6, rel=0.03
-    )
+    assert fuel_data(fuel(heating_value=None)).heating_value == approx(31.8e6, rel=0.03)

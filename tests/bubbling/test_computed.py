@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from bubbling_scenes import solved
 from computed_scenes import hot
+from pytest import approx
 
 import contbed as cb
 from contbed import closures
@@ -66,7 +67,7 @@ def test_six_guesses_lead_to_one_state():
     ]
     assert max(len(result.history) for result in found) <= 12
     for result in found[1:]:
-        assert result.qoi == pytest.approx(found[0].qoi, rel=1e-9)
+        assert result.qoi == approx(found[0].qoi, rel=1e-9)
 
 
 def test_closures_are_those_of_the_state():
@@ -88,18 +89,18 @@ def test_closures_are_those_of_the_state():
     rho_solid, d_p = 0.98 * 2600 + 0.02 * 1200, 1 / (0.98 / 7e-4 + 0.02 / 3e-3)
     Ar = d_p**3 * rho * (rho_solid - rho) * 9.81 / mu**2
     u_mf = closures.minimum_fluidization_grace(Ar) * mu / (rho * d_p)
-    assert column["u_mf"] == pytest.approx(u_mf, rel=1e-9)
+    assert column["u_mf"] == approx(u_mf, rel=1e-9)
     bubbles = column["flow_bubble"]
     u = (0.6 - bubbles) / rho + bubbles / gas.density(column["T_bubble"])
     # the bend of the excess at zero, (1e-3 u_mf)^2 / (4 u_mf (u - u_mf)), is below 1e-6
     # of u
-    assert column["u"] == pytest.approx(u, rel=1e-6)
+    assert column["u"] == approx(u, rel=1e-6)
     u_b = closures.bubble_rise_davidson_harrison(column["d_b"], column["u"] - u_mf, 1.0)
     delta = closures.bubble_fraction_kunii_levenspiel(column["u"], u_mf, u_b, 0.5)
-    assert column["delta"] == pytest.approx(delta, rel=1e-9)
+    assert column["delta"] == approx(delta, rel=1e-9)
     # the flow is a field: the closure holds to the error of the mesh
-    assert bubbles == pytest.approx(0.6 - rho * (1 - delta) * u_mf, rel=1e-6)
-    assert column["d_b"][0] == pytest.approx(
+    assert bubbles == approx(0.6 - rho * (1 - delta) * u_mf, rel=1e-6)
+    assert column["d_b"][0] == approx(
         2.78 * (column["u"][0] - u_mf[0]) ** 2 / 9.81, rel=1e-6
     )
 
@@ -118,7 +119,7 @@ def test_a_number_is_a_closure_that_returns_it():
             solids__char__heat_capacity=still["heat_capacity"],
         )
     )
-    assert result.qoi["tubes_coefficient_W_m2K"] == pytest.approx(250.0, rel=1e-12)
+    assert result.qoi["tubes_coefficient_W_m2K"] == approx(250.0, rel=1e-12)
     assert np.all(result.profiles["d_b [m]"] == 0.1)
     assert not any(
         use["kind"] in ("bed_tube", "solid_exchange", "bubble_growth")
@@ -195,12 +196,10 @@ def test_species_are_told_apart():
     )
     assert (char["f_1"], char["d_1"], char["rho_1"]) == (0.5 * 0.02, 3e-3, 1200.0)
     assert (inert["f_2"], inert["d_2"], inert["rho_2"]) == (0.5 * 0.98, 7e-4, 2600.0)
-    assert char["cp_1"] == pytest.approx(1000.0 + 0.5 * T) and inert[
-        "cp_2"
-    ] == pytest.approx(1000.0)
+    assert char["cp_1"] == approx(1000.0 + 0.5 * T) and inert["cp_2"] == approx(1000.0)
     # the same mixing [m2/s] of all particles carries heat as each species holds it
     held = {"char": 0.02 * 1200.0 * (1000.0 + 0.5 * T), "inert": 0.98 * 2600.0 * 1000.0}
-    assert local.conduction["char"] / local.conduction["inert"] == pytest.approx(
+    assert local.conduction["char"] / local.conduction["inert"] == approx(
         held["char"] / held["inert"]
     )
     mixing = [
@@ -213,9 +212,9 @@ def test_species_are_told_apart():
         )
         for name in held
     ]
-    assert mixing[0] == pytest.approx(mixing[1])
+    assert mixing[0] == approx(mixing[1])
     mean = (held["char"] + held["inert"]) / (0.02 * 1200.0 + 0.98 * 2600.0)
-    assert local.state["cp_solid"] == pytest.approx(mean)
+    assert local.state["cp_solid"] == approx(mean)
 
 
 def test_a_gas_at_room_temperature_says_what_its_data_miss():

@@ -5,6 +5,7 @@ against a manufactured solution.
 import numpy as np
 import pytest
 from computed_scenes import hot, tables
+from pytest import approx
 
 import contbed as cb
 from contbed import closures
@@ -100,13 +101,11 @@ def test_without_bubbles_the_bed_is_a_packed_bed_of_its_closures():
     result = solved(from_dict(given))
     gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)
     out = gas.enthalpy(result.qoi["T_emulsion_top_K"]) - gas.enthalpy(300.0)
-    assert 0.6 * out == pytest.approx(5e5 * 0.6, rel=1e-9)
+    assert 0.6 * out == approx(5e5 * 0.6, rel=1e-9)
     assert "T_bubble_top_K" not in result.qoi
     # mixing of 2e4 W/m/K carries 3e5 W over 0.3 m at 4 K; far from the distributor the
     # gas is as hot as the particles
-    assert result.qoi["T_emulsion_top_K"] == pytest.approx(
-        result.qoi["T_inert_mid_K"], abs=4
-    )
+    assert result.qoi["T_emulsion_top_K"] == approx(result.qoi["T_inert_mid_K"], abs=4)
 
 
 def test_tiny_and_absent_parts():
@@ -134,7 +133,7 @@ def test_tiny_and_absent_parts():
         "T_bubble_top_K",
         "T_distributor_K",
     ):
-        assert found.qoi[key] == pytest.approx(none.qoi[key], rel=2e-5)
+        assert found.qoi[key] == approx(none.qoi[key], rel=2e-5)
 
 
 @pytest.mark.slow
@@ -182,9 +181,7 @@ def test_conductivity_of_the_emulsion_and_nusselt_from_files(tmp_path):
     named["solids"]["inert"]["nusselt"] = "ranz_marshall"
     found, other = solved(from_dict(written, base=tmp_path)), solved(from_dict(named))
     # a conductivity of 0.4 W/m/K adds nothing to a mixing of 2e4
-    assert found.qoi["T_inert_mid_K"] == pytest.approx(
-        other.qoi["T_inert_mid_K"], rel=1e-6
-    )
+    assert found.qoi["T_inert_mid_K"] == approx(other.qoi["T_inert_mid_K"], rel=1e-6)
     assert any(
         use["name"] == "conductivity of conductivity.toml" for use in found.closures
     )
@@ -224,33 +221,33 @@ def test_states_that_no_gas_has_do_not_end_the_search():
     """
     found = solved(cb.load("studies/rabi_two_flux_bed/none.toml"))
     # table of the study
-    assert found.qoi["T_char_mid_K"] == pytest.approx(2454.8, abs=0.1)
+    assert found.qoi["T_char_mid_K"] == approx(2454.8, abs=0.1)
 
 
 def test_closures_by_hand():
     """Worked step by step, on paper."""
     # Darton: 0.54 0.3^0.4 0.5^0.8 / 9.81^0.2 with 0.6178, 0.5743, 1.5787
     z = (0.1214 * 9.81**0.2 / (0.54 * 0.3**0.4)) ** 1.25
-    assert z == pytest.approx(0.5, rel=2e-3)
-    assert closures.bubble_growth_darton(0.1214, 0.3, 1.0) == pytest.approx(
+    assert z == approx(0.5, rel=2e-3)
+    assert closures.bubble_growth_darton(0.1214, 0.3, 1.0) == approx(
         0.8 * 0.1214 / z, rel=1e-12
     )
     # Zabrodsky: 35.8 x 4.820 x 0.2114 x 15.43
-    assert closures.bed_tube_zabrodsky(5e-4, 2600.0, 0.075) == pytest.approx(
+    assert closures.bed_tube_zabrodsky(5e-4, 2600.0, 0.075) == approx(
         35.8 * 4.820 * 0.2114 * 15.43, rel=1e-3
     )
     # Molerus: l = (4.5e-5 / (3.132 x 2600))^(2/3) = 3.13e-7^..., 0.09/l/(13.33 + 19.32)
     length = (4.5e-5 / (3.1321 * 2599.7)) ** (2 / 3)
     assert closures.bed_tube_molerus_laminar(
         50.0, 4.5e-5, 0.3, 1150.0, 0.075, 2600.0
-    ) == pytest.approx(0.09 / length / (13.333 + 19.324), rel=1e-4)
+    ) == approx(0.09 / length / (13.333 + 19.324), rel=1e-4)
     # Haider: Stokes' law for a small sphere, Newton's 1.74 ((rho_s/rho) g d)^(1/2) for
     # a large one to 10 %
     fine = closures.terminal_velocity_haider_levenspiel(1e-3, 1.8e-5, 1.2, 1e-5, 1.0)
-    assert fine == pytest.approx(1.8e-5 / (1.2 * 1e-5) * 1e-3 / 18.0, rel=5e-3)
+    assert fine == approx(1.8e-5 / (1.2 * 1e-5) * 1e-3 / 18.0, rel=5e-3)
     Ar = 2e-2**3 * 1.2 * 2600.0 * 9.81 / 1.8e-5**2
     coarse = closures.terminal_velocity_haider_levenspiel(Ar, 1.8e-5, 1.2, 2e-2, 1.0)
-    assert coarse == pytest.approx(1.74 * (2600.0 / 1.2 * 9.81 * 2e-2) ** 0.5, rel=0.1)
+    assert coarse == approx(1.74 * (2600.0 / 1.2 * 9.81 * 2e-2) ** 0.5, rel=0.1)
     # collisions: Sun and Chen's 5.36 (m/E)^0.6 (R v)^0.7 per impact over the
     # effusivities, 36 / (4 pi^2) of the rate
     f, d, v = (0.1, 0.4), (1e-3, 7e-4), 0.5
@@ -269,15 +266,15 @@ def test_closures_by_hand():
     found = closures.solid_exchange_agu(
         *f, *d, 2000.0, 2600.0, 1000.0, 1000.0, 1.0, 2.0, v, 1.0
     )
-    assert found == pytest.approx(impacts * each, rel=2e-3)  # 4.88 is rounded
+    assert found == approx(impacts * each, rel=2e-3)  # 4.88 is rounded
 
 
 def test_bubble_fraction_joins_its_limits():
     u, u_mf, eps = 1.0, 0.2, 0.45
     slow = closures.bubble_fraction_kunii_levenspiel(u, u_mf, 1e-3, eps)
-    assert slow == pytest.approx((u - u_mf) / (1e-3 + 2 * u_mf), rel=1e-6)
+    assert slow == approx((u - u_mf) / (1e-3 + 2 * u_mf), rel=1e-6)
     fast = closures.bubble_fraction_kunii_levenspiel(u, u_mf, 100.0, eps)
-    assert fast == pytest.approx(u / 100.0, rel=1e-3)
+    assert fast == approx(u / 100.0, rel=1e-3)
     rise = np.geomspace(0.01, 100, 400)
     assert np.all(
         np.diff(closures.bubble_fraction_kunii_levenspiel(u, u_mf, rise, eps)) < 0

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from bubbling_scenes import solved
 from computed_scenes import hot
+from pytest import approx
 from scipy.integrate import solve_ivp
 
 import contbed as cb
@@ -32,10 +33,8 @@ def test_particles_fall_off_exponentially():
     result = solved(hot(freeboard=given))
     y, flow = column(result, "flow_up [kg/m2/s]")
     # cubic elements on the mesh of the bed: 12 decay lengths
-    assert flow == pytest.approx(0.5 + 39.5 * np.exp(-3.0 * y), rel=1e-4)
-    assert result.qoi["carryover_kg_s"] == pytest.approx(
-        0.5 + 39.5 * np.exp(-6.0), rel=1e-4
-    )
+    assert flow == approx(0.5 + 39.5 * np.exp(-3.0 * y), rel=1e-4)
+    assert result.qoi["carryover_kg_s"] == approx(0.5 + 39.5 * np.exp(-6.0), rel=1e-4)
 
 
 def test_gas_without_particles_is_cooled_by_the_walls():
@@ -66,7 +65,7 @@ def test_gas_without_particles_is_cooled_by_the_walls():
         flow * gas.enthalpy(result.profiles[f"T_{name} [K]"][top])
         for name, flow in (("bubble", bubbles), ("emulsion", 0.6 - bubbles))
     )
-    assert 0.6 * gas.enthalpy(T[0]) == pytest.approx(mixed, rel=1e-5)
+    assert 0.6 * gas.enthalpy(T[0]) == approx(mixed, rel=1e-5)
     exact = solve_ivp(
         lambda y, T: 3.5 * 20.0 * (600.0 - T) / (0.6 * gas.heat_capacity(T)),
         (0, 2),
@@ -76,7 +75,7 @@ def test_gas_without_particles_is_cooled_by_the_walls():
     )
     assert np.abs(T - exact.y[0]).max() < 1e-4  # of 100 K
     lost = 0.6 * (gas.enthalpy(T[0]) - gas.enthalpy(T[-1]))
-    assert result.qoi["freeboard_walls_convection_W"] == pytest.approx(lost, rel=1e-6)
+    assert result.qoi["freeboard_walls_convection_W"] == approx(lost, rel=1e-6)
 
 
 def test_many_particles_bring_the_gas_to_the_temperature_of_the_bed():
@@ -97,7 +96,7 @@ def test_many_particles_bring_the_gas_to_the_temperature_of_the_bed():
     ]
     gas, up = (column(result, name)[1] for name in ("T_freeboard [K]", "T_up [K]"))
     assert surface - gas[0] > 5 and abs(surface - gas[-1]) < 1
-    assert gas[-1] == pytest.approx(up[-1], abs=0.1)
+    assert gas[-1] == approx(up[-1], abs=0.1)
 
 
 def test_walls_above_cool_the_bed():
@@ -111,7 +110,7 @@ def test_walls_above_cool_the_bed():
     # that joins both sides
     z, G = cooled.profiles["z [m]"], cooled.profiles["G [W/m2]"]
     top = np.flatnonzero(np.isclose(z, 0.6))[0]
-    assert column(cooled, "G_freeboard [W/m2]")[1][0] == pytest.approx(G[top], rel=1e-5)
+    assert column(cooled, "G_freeboard [W/m2]")[1][0] == approx(G[top], rel=1e-5)
 
 
 class At(float):
@@ -156,10 +155,8 @@ def test_black_particles_take_radiation_as_they_weaken_it():
     taken = balance(At(black + 1e3), At(1.0)) - balance(At(black), At(1.0))
     absorption = taken / (1e3 * part.section * part.stretch)
     diffusion = balance(At(black, 1.0), At(0.0, 1.0)) * part.stretch / part.section
-    assert absorption == pytest.approx(
-        0.25 * part.surface * (30.0 + 20.0) / 500.0, rel=1e-9
-    )
-    assert 1.0 / (3.0 * diffusion) == pytest.approx(absorption + CLEAR / 2.0, rel=1e-9)
+    assert absorption == approx(0.25 * part.surface * (30.0 + 20.0) / 500.0, rel=1e-9)
+    assert 1.0 / (3.0 * diffusion) == approx(absorption + CLEAR / 2.0, rel=1e-9)
 
 
 def test_a_freeboard_needs_its_gas_and_one_choice():

@@ -1,7 +1,7 @@
 """Reactions by equation, law or formula in a bubbling bed, as in every other model."""
 
 import numpy as np
-import pytest
+from pytest import approx
 from reacting_scenes import tube
 
 import contbed as cb
@@ -33,11 +33,9 @@ def solved(reactions, composition=MIXTURE):
 def test_an_equation_with_constants():
     q = solved({"shift": SHIFT})
     share = q["x_CO_wet"] / (q["x_CO_wet"] + q["x_CO2_wet"])
-    assert share == pytest.approx(left(0.05 * 0.45), rel=1e-3)
+    assert share == approx(left(0.05 * 0.45), rel=1e-3)
     formula = {"equation": SHIFT["equation"], "rate": "0.05*c_CO"}
-    assert solved({"shift": formula})["x_CO_wet"] == pytest.approx(
-        q["x_CO_wet"], rel=1e-9
-    )
+    assert solved({"shift": formula})["x_CO_wet"] == approx(q["x_CO_wet"], rel=1e-9)
 
 
 def test_a_rate_per_mass_of_particles():
@@ -45,7 +43,7 @@ def test_a_rate_per_mass_of_particles():
     per_kg = 2.0e-5
     q = solved({"shift": SHIFT | {"basis": "catalyst", "A": per_kg}})
     share = q["x_CO_wet"] / (q["x_CO_wet"] + q["x_CO2_wet"])
-    assert share == pytest.approx(left(per_kg * 2600.0 * 0.55), rel=1e-3)
+    assert share == approx(left(per_kg * 2600.0 * 0.55), rel=1e-3)
 
 
 def test_a_law_of_several_equations(monkeypatch):
@@ -58,7 +56,7 @@ def test_a_law_of_several_equations(monkeypatch):
     monkeypatch.setitem(laws.every(), "twice_the_shift", law)
     q = solved({"pair": {"law": "twice_the_shift", "factor": 0.5}})
     share = q["x_CO_wet"] / (q["x_CO_wet"] + q["x_CO2_wet"])
-    assert share == pytest.approx(left(1.0e-5 * 2600.0 * 0.55), rel=1e-3)
+    assert share == approx(left(1.0e-5 * 2600.0 * 0.55), rel=1e-3)
 
 
 def test_a_law_of_catalysts_that_packed_beds_have():
@@ -75,7 +73,7 @@ def test_gases_of_the_mechanism():
     """
     crack = {"equation": "C2H6 -> C2H4 + H2", "A": 1.0, "E": 0.0}
     q = solved({"crack": crack}, "C2H6:0.01, N2:0.99")
-    assert q["x_C2H4_wet"] == pytest.approx(q["x_H2_wet"], rel=1e-9)
+    assert q["x_C2H4_wet"] == approx(q["x_H2_wet"], rel=1e-9)
     assert q["x_C2H4_wet"] > 1e-4
 
 

@@ -5,6 +5,7 @@ balance, and says what it did.
 import numpy as np
 import pytest
 from bubbling_scenes import case1, changed, solids, solved, values
+from pytest import approx
 
 from contbed.errors import SceneError
 from contbed.loading import from_dict
@@ -19,7 +20,7 @@ def test_six_uniform_guesses_lead_to_one_state(name):
     found = [solved(case1(name, initial={"temperature": guess})) for guess in GUESSES]
     assert max(len(result.history) for result in found) <= 12
     for result in found[1:]:
-        assert result.qoi == pytest.approx(found[0].qoi, rel=1e-9)
+        assert result.qoi == approx(found[0].qoi, rel=1e-9)
     assert found[0].qoi["steady_states_found"] == 1
 
 
@@ -52,7 +53,7 @@ def test_tiny_feeds_are_no_feeds():
         for name in ("char", "limestone"):
             particles[name]["feed"]["capacity_flow"] = flow
         found.append(solved(case1(solids=particles)).qoi)
-    assert found[0] == pytest.approx(found[1], rel=1e-6)
+    assert found[0] == approx(found[1], rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["char", "limestone"])
@@ -76,7 +77,7 @@ def test_a_species_that_vanishes_is_left_out(name):
     trace[name].pop("exchange", None)
     present = solved(case1(solids=trace))
     for key, value in without.qoi.items():
-        assert present.qoi[key] == pytest.approx(value, rel=1e-5), key
+        assert present.qoi[key] == approx(value, rel=1e-5), key
 
 
 def test_no_bubbles():
@@ -88,9 +89,7 @@ def test_no_bubbles():
         case1(bubbles={"fraction": 1e-7, "capacity_flow": 1e-6, "exchange": 3000.0})
     )
     assert zero.qoi == none.qoi and "T_bubble_top_K" not in none.qoi
-    assert {name: few.qoi[name] for name in none.qoi} == pytest.approx(
-        none.qoi, rel=1e-6
-    )
+    assert {name: few.qoi[name] for name in none.qoi} == approx(none.qoi, rel=1e-6)
 
 
 def test_one_species():

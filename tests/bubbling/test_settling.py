@@ -5,6 +5,7 @@ the state they belong to.
 import numpy as np
 import pytest
 from computed_scenes import HOT, hot, tables
+from pytest import approx
 
 import contbed as cb
 from contbed.errors import ConvergenceError
@@ -37,27 +38,25 @@ def test_mass_of_every_size_is_balanced():
     assert_closed(result, 1e-12, "energy")
     problem_sizes = result.plan.scene.solids["inert"].sizes
     x, feed = np.array(problem_sizes.bed), 0.2 * np.array(SAND["feed"])
-    assert x.sum() == pytest.approx(1.0, rel=1e-12)
+    assert x.sum() == approx(1.0, rel=1e-12)
     drain = result.qoi["inert_drain_kg_s"]
     carried = feed - drain * x
     # fine sizes are carried away first
     assert np.all(carried >= -1e-12) and np.all(np.diff(carried / x) <= 1e-12)
     assert x[0] < SAND["feed"][0] and x[-1] > SAND["feed"][-1]
-    assert carried.sum() == pytest.approx(result.qoi["inert_carryover_kg_s"], rel=1e-10)
+    assert carried.sum() == approx(result.qoi["inert_carryover_kg_s"], rel=1e-10)
     diameter = 1.0 / np.sum(x / np.array(SAND["diameters"]))
-    assert result.qoi["inert_diameter_m"] == pytest.approx(diameter, rel=1e-8)
-    assert result.plan.scene.solids["inert"].diameter == pytest.approx(
-        diameter, rel=1e-8
-    )
+    assert result.qoi["inert_diameter_m"] == approx(diameter, rel=1e-8)
+    assert result.plan.scene.solids["inert"].diameter == approx(diameter, rel=1e-8)
 
 
 def test_nothing_carried_away_leaves_the_feed():
     scene = from_dict(sized(freeboard={"height": 3.0, "elutriation": 0.0}))
     result = cb.run(scene)
-    assert result.plan.scene.solids["inert"].sizes.bed == pytest.approx(
+    assert result.plan.scene.solids["inert"].sizes.bed == approx(
         SAND["feed"], rel=1e-10
     )
-    assert result.qoi["inert_drain_kg_s"] == pytest.approx(0.2, rel=1e-10)
+    assert result.qoi["inert_drain_kg_s"] == approx(0.2, rel=1e-10)
 
 
 def test_a_feed_too_small_for_what_is_carried_away_is_told():
@@ -73,21 +72,17 @@ def test_height_of_the_bubbling_bed(expansion):
     closures = {"expansion": expansion} if expansion else {}
     result = cb.run(hot(bubbling_bed=bed, closures=closures, mesh={"cells": 24}))
     height = result.qoi["bed_height_m"]
-    assert result.profiles["z [m]"][-1] == pytest.approx(height, rel=1e-12)
+    assert result.profiles["z [m]"][-1] == approx(height, rel=1e-12)
     if expansion is None:
         # the trapezoidal rule of the table; the balance itself is to round-off
-        assert result.qoi["height_at_minimum_fluidization_m"] == pytest.approx(
-            0.4, rel=1e-4
-        )
+        assert result.qoi["height_at_minimum_fluidization_m"] == approx(0.4, rel=1e-4)
     else:
         assert 0.45 < height < 1.5
     direct = cb.run(
         hot(bubbling_bed={**HOT["bubbling_bed"], "height": height}, mesh={"cells": 24})
     )
     # cells of another grading
-    assert result.qoi["T_inert_mid_K"] == pytest.approx(
-        direct.qoi["T_inert_mid_K"], rel=1e-5
-    )
+    assert result.qoi["T_inert_mid_K"] == approx(direct.qoi["T_inert_mid_K"], rel=1e-5)
 
 
 def test_sizes_that_cannot_be_balanced_are_refused():

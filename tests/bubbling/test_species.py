@@ -8,6 +8,7 @@ import cantera
 import numpy as np
 import pytest
 from bubbling_scenes import changed
+from pytest import approx
 from reacting_scenes import (
     BURNING,
     COAL,
@@ -62,14 +63,12 @@ def test_a_combustor_burns_its_coal(burning):
         for name, value in qoi.items()
         if name.startswith("x_") and name.endswith("_wet")
     )
-    assert wet == pytest.approx(1.0, rel=1e-12)
+    assert wet == approx(1.0, rel=1e-12)
     # what is not captured leaves with the gas, but for 0.3 % in volatile matter that is
     # drained
     S = (qoi["x_SO2_wet"] + qoi["x_H2S_wet"]) * qoi["gas_out_mol_s"]
     assert (
-        pytest.approx(
-            (1.0 - qoi["sulphur_capture"]) * burning.balances["S"]["in"], rel=0.02
-        )
+        approx((1.0 - qoi["sulphur_capture"]) * burning.balances["S"]["in"], rel=0.02)
         == S
     )
 
@@ -116,7 +115,7 @@ def test_profiles_are_fractions(burning):
             for name, column in burning.profiles.items()
             if name.endswith(f"_{phase} [1]")
         ]
-        assert np.sum(columns, axis=0) == pytest.approx(1.0, rel=1e-12)
+        assert np.sum(columns, axis=0) == approx(1.0, rel=1e-12)
         assert np.min(columns) > -1e-3  # 12 cells
     assert any(use["name"] == "char_combustion: field" for use in burning.closures)
 
@@ -133,8 +132,8 @@ def test_nothing_reacts_as_nothing_is_computed():
         from_dict({key: value for key, value in inert.items() if key != "reactions"})
     )
     for name in ("T_inert_mid_K", "T_emulsion_top_K"):
-        assert result.qoi[name] == pytest.approx(plain.qoi[name], rel=1e-3)
-    assert "x_CO2_wet" not in result.qoi and result.qoi["x_O2_wet"] == pytest.approx(
+        assert result.qoi[name] == approx(plain.qoi[name], rel=1e-3)
+    assert "x_CO2_wet" not in result.qoi and result.qoi["x_O2_wet"] == approx(
         0.21, rel=1e-10
     )
     assert not any(name.startswith("x_") for name in plain.profiles)
@@ -148,10 +147,8 @@ def test_a_millionth_of_fuel_is_no_fuel():
     none = solved(from_dict(without_fuel(drain=None, reactions={})))
     # without fuel the bed holds 2 % of its particles less, whose surface the gas then
     # lacks
-    assert result.qoi["T_inert_mid_K"] == pytest.approx(
-        none.qoi["T_inert_mid_K"], rel=1e-3
-    )
-    assert result.qoi["x_O2_wet"] == pytest.approx(none.qoi["x_O2_wet"], rel=1e-5)
+    assert result.qoi["T_inert_mid_K"] == approx(none.qoi["T_inert_mid_K"], rel=1e-3)
+    assert result.qoi["x_O2_wet"] == approx(none.qoi["x_O2_wet"], rel=1e-5)
 
 
 def test_shift_by_an_integrator_of_ordinary_equations():
@@ -177,7 +174,7 @@ def test_shift_by_an_integrator_of_ordinary_equations():
         solve_ivp(slope, (0, 0.5), [0.0], t_eval=z, rtol=1e-10, atol=1e-12).y[0] / total
     )
     # 20 cells of degree 3, and 0.05 K by which the gas leads the walls
-    assert result.profiles["x_CO2_emulsion [1]"] == pytest.approx(exact, abs=2e-5)
+    assert result.profiles["x_CO2_emulsion [1]"] == approx(exact, abs=2e-5)
     assert exact[-1] > 0.05
 
 
@@ -202,7 +199,7 @@ def test_a_particle_gives_at_its_temperature_and_takes_at_that_of_the_gas():
     )
     assert terms.gas["emulsion"] == {"CO2": 2.0, "O2": -3.0}
     brought = 2.0 * (-4e5 + 50.0 * 1200.0) - 3.0 * 30.0 * 900.0
-    assert terms.gain == pytest.approx({"T_emulsion": brought, "T_char": -brought})
+    assert terms.gain == approx({"T_emulsion": brought, "T_char": -brought})
 
 
 @pytest.mark.parametrize(("crossing", "of"), [(0.3, "emulsion"), (-0.3, "bubble")])
@@ -226,8 +223,8 @@ def test_gas_that_crosses_has_the_composition_of_where_it_comes_from(crossing, o
         "CO2": crossing * w[of]["CO2"] / 0.044,
         "O2": crossing * w[of]["O2"] / 0.032,
     }
-    assert terms.gas["bubble"] == pytest.approx(moved)
-    assert terms.gas["emulsion"] == pytest.approx(
+    assert terms.gas["bubble"] == approx(moved)
+    assert terms.gas["emulsion"] == approx(
         {name: -amount for name, amount in moved.items()}
     )
 
@@ -250,22 +247,20 @@ def test_exchange_of_fuel_goes_by_the_surface_that_is_there():
     once, _ = computed.recorded(values, z)
     twice, _ = computed.recorded(values | {"n_char": 2.0 * values["n_char"]}, z)
     share = once.shares["char"]
-    assert once.pairs["char", "inert"] == pytest.approx(share * 2e4)
-    assert once.pairs["stone", "inert"] == pytest.approx(1e5)
+    assert once.pairs["char", "inert"] == approx(share * 2e4)
+    assert once.pairs["stone", "inert"] == approx(1e5)
     # a trace of surface stays without char
-    assert twice.shares["char"] == pytest.approx(2.0 * share, rel=1e-6)
-    assert twice.pairs["char", "inert"] == pytest.approx(twice.shares["char"] * 2e4)
-    assert twice.gas["char"] == pytest.approx(2.0 * once.gas["char"], rel=1e-6)
+    assert twice.shares["char"] == approx(2.0 * share, rel=1e-6)
+    assert twice.pairs["char", "inert"] == approx(twice.shares["char"] * 2e4)
+    assert twice.gas["char"] == approx(2.0 * once.gas["char"], rel=1e-6)
 
 
 def test_flows_may_hardly_undershoot_zero():
     """Newton's method may leave a hundredth of what enters, not more, below zero."""
     problem = BubblingProblem(plan(combustor()))
     for name, size in problem.chemistry.sizes.items():
-        assert problem.system.part(problem.lower, name) == pytest.approx(
-            -0.01 * size
-        ), name
-    assert problem.system.part(problem.lower, "T_char") == pytest.approx(0.0)
+        assert problem.system.part(problem.lower, name) == approx(-0.01 * size), name
+    assert problem.system.part(problem.lower, "T_char") == approx(0.0)
 
 
 def test_infinite_rate_is_equilibrium():
@@ -273,9 +268,9 @@ def test_infinite_rate_is_equilibrium():
     q = solved(scene).qoi
     shift = thermo.equilibrium(BY_REACTION["water_gas_shift"]["biba"].stoichiometry)
     K = float(np.exp(shift.ln_K(q["T_emulsion_top_K"])))
-    assert q["x_CO2_wet"] * q["x_H2_wet"] / (
-        q["x_CO_wet"] * q["x_H2O_wet"]
-    ) == pytest.approx(K, rel=1e-6)
+    assert q["x_CO2_wet"] * q["x_H2_wet"] / (q["x_CO_wet"] * q["x_H2O_wet"]) == approx(
+        K, rel=1e-6
+    )
 
 
 def test_adiabatic_flame_by_cantera():
@@ -299,9 +294,9 @@ def test_adiabatic_flame_by_cantera():
     burnt.TPX = 900.0, 101325.0, mixture
     burnt.equilibrate("HP")
     # what is left of the fuel, and enthalpies smoothed at 1000 K
-    assert q["T_emulsion_top_K"] == pytest.approx(burnt.T, abs=0.1)
-    assert q["x_CO2_wet"] == pytest.approx(burnt["CO2"].X[0], rel=1e-4)
-    assert q["x_O2_wet"] == pytest.approx(burnt["O2"].X[0], rel=1e-4)
+    assert q["T_emulsion_top_K"] == approx(burnt.T, abs=0.1)
+    assert q["x_CO2_wet"] == approx(burnt["CO2"].X[0], rel=1e-4)
+    assert q["x_O2_wet"] == approx(burnt["O2"].X[0], rel=1e-4)
 
 
 def test_exhausted_fuel_and_exhausted_oxygen():
@@ -314,9 +309,7 @@ def test_exhausted_fuel_and_exhausted_oxygen():
     assert abs(rich["x_O2_wet"]) < 1e-8 and rich["x_CO_wet"] > 0.05
     assert abs(lean["x_CO_wet"]) < 1e-8 and abs(lean["x_H2_wet"]) < 1e-8
     # N2 is the tie: 0.02 of each fuel takes 0.02 of O2
-    assert lean["x_O2_wet"] / lean["x_N2_wet"] == pytest.approx(
-        (0.1 - 0.02) / 0.81, rel=1e-6
-    )
+    assert lean["x_O2_wet"] / lean["x_N2_wet"] == approx((0.1 - 0.02) / 0.81, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -366,9 +359,7 @@ def test_energy_follows_the_heating_value():
     low["solids"]["char"]["fuel"]["heating_value"] = 27e6
     high["solids"]["char"]["fuel"]["heating_value"] = 29e6
     a, b = (solved(from_dict(each)).qoi for each in (low, high))
-    assert b["fuel_power_W"] - a["fuel_power_W"] == pytest.approx(
-        2e6 * 0.035 * 0.92, rel=1e-9
-    )
+    assert b["fuel_power_W"] - a["fuel_power_W"] == approx(2e6 * 0.035 * 0.92, rel=1e-9)
     assert b["T_inert_mid_K"] > a["T_inert_mid_K"] + 20
 
 

@@ -7,6 +7,7 @@ import pytest
 from bubbling_scenes import case1, one
 from computed_scenes import hot
 from CoolProp import CoolProp
+from pytest import approx
 
 import contbed as cb
 from contbed.materials.steam import steam
@@ -26,17 +27,15 @@ def test_table_is_coolprop(pressure):
     slope = (water.temperature(h + 1e-4) - water.temperature(h - 1e-4)) / 2e-4
     inside = np.abs(h - water.liquid) > 1
     inside &= np.abs(h - water.vapour) > 1
-    assert water._slope(h)[inside] == pytest.approx(slope[inside], rel=1e-4, abs=1e-6)
+    assert water._slope(h)[inside] == approx(slope[inside], rel=1e-4, abs=1e-6)
 
 
 def test_boiling_water_has_one_temperature_and_a_quality():
     water = steam(60e5)
-    assert water.temperature(0.5 * (water.liquid + water.vapour)) == pytest.approx(
+    assert water.temperature(0.5 * (water.liquid + water.vapour)) == approx(
         548.73, abs=0.01
     )
-    assert water.quality(0.25 * water.liquid + 0.75 * water.vapour) == pytest.approx(
-        0.75
-    )
+    assert water.quality(0.25 * water.liquid + 0.75 * water.vapour) == approx(0.75)
     assert water.quality(100.0) is None
 
 
@@ -83,7 +82,7 @@ def test_water_of_a_stirred_bed_is_heated_exponentially(direction):
     # the bed differs by 1e-3 K from one temperature
     assert np.abs(found - exact).max() < 2e-4
     assert_closed(result, 1e-12)
-    assert result.qoi["tubes_water_W"] == pytest.approx(
+    assert result.qoi["tubes_water_W"] == approx(
         result.qoi["tubes_convection_W"], rel=1e-10
     )
 
@@ -103,11 +102,11 @@ def test_evaporator_in_a_bed(make):
     result = cb.run(make(tubes=tubes))
     assert_closed(result, 1e-11)
     assert 0 < result.qoi["tubes_water_out_quality"] < 1
-    assert result.qoi["tubes_water_out_K"] == pytest.approx(548.73, abs=0.01)
+    assert result.qoi["tubes_water_out_K"] == approx(548.73, abs=0.01)
     metal = result.profiles["T_tubes_surface [K]"]
     assert np.nanmin(metal) > 540 and np.nanmax(metal) < 590
     duty = result.qoi["tubes_convection_W"] + result.qoi["tubes_radiation_W"]
-    assert result.qoi["tubes_water_W"] == pytest.approx(duty, rel=1e-9)
+    assert result.qoi["tubes_water_W"] == approx(duty, rel=1e-9)
 
 
 def test_a_surface_has_one_cold_side():

@@ -15,6 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from numpy.testing import assert_allclose, assert_array_equal
 
 import contbed as cb
 from contbed.many.calibrate.calibrate import FILE, calibrate
@@ -170,7 +171,7 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
         for name in ("packed_bed.porosity", "solids.particles.diameter")
     ]
     # the data are exact; the prior about 3 mm draws the fit by 2 % of its distance
-    np.testing.assert_allclose(fitted, [0.39, 3.2e-3], rtol=5e-3)
+    assert_allclose(fitted, [0.39, 3.2e-3], rtol=5e-3)
     for key, true in (
         ("packed_bed.porosity", 0.39),
         ("solids.particles.diameter", 3.2e-3),
@@ -187,7 +188,7 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
     low, high = (
         keys["packed_bed.porosity"][end] * 2.0 / 0.02 for end in ("low", "high")
     )
-    np.testing.assert_allclose(
+    assert_allclose(
         [float(ahead[0]["low"]), float(ahead[0]["high"])], [low, high], rtol=1e-6
     )
     out = capsys.readouterr().out
@@ -215,7 +216,7 @@ def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(
 ):
     found = calibrate("heated.toml", "out")
     # the temperature is linear in the flux: the closed form of the weighted mean
-    np.testing.assert_allclose(
+    assert_allclose(
         found.values["boundary.left.solids.particles.heat_flux"], FLUX, rtol=1e-5
     )  # of the steps in time
     fitted = [point for point in found.points if point.fitted]
@@ -228,22 +229,20 @@ def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(
     assert {p.error for p in fitted} == {0.5, 1.0}  # a difference of 0.5 degC is 0.5 K
     prior = found.keys[0].prior
     scale = prior.slope(0.0)
-    np.testing.assert_allclose(
-        np.sqrt(found.fit.covariance[0, 0]) * scale, error, rtol=1e-5
-    )
+    assert_allclose(np.sqrt(found.fit.covariance[0, 0]) * scale, error, rtol=1e-5)
     ahead = next(
         k
         for k, point in enumerate(found.points)
         if point.t == 300.0 and np.isnan(point.value)
     )
-    np.testing.assert_allclose(
+    assert_allclose(
         found.prediction.value[ahead], 300.0 + FLUX / CAPACITY * 300.0, rtol=1e-5
     )
-    np.testing.assert_allclose(
+    assert_allclose(
         found.prediction.deviation[ahead], error * 300.0 / CAPACITY, rtol=1e-4
     )
     whole = found.prediction.high_measured[ahead] - found.prediction.value[ahead]
-    np.testing.assert_allclose(
+    assert_allclose(
         whole, 1.6448536 * np.hypot(error * 300.0 / CAPACITY, 0.5), rtol=1e-4
     )
     summary = json.loads((folder / "out" / "summary.json").read_text())
@@ -255,7 +254,7 @@ def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(
     # the scenes that are written are those that were fitted
     scene = cb.load(folder / "out" / "calibrated_other.toml")
     assert scene.solid.heat_capacity == 450.0
-    np.testing.assert_allclose(
+    assert_allclose(
         scene.boundary["left"].condition("solid").heat_flux, FLUX, rtol=1e-5
     )
 
@@ -292,7 +291,7 @@ def test_the_same_command_computes_nothing_again(folder, no_pictures):
     first = calibrate("drops.toml", "out")
     again = calibrate("drops.toml", "out")
     assert again.runs == again.before == first.runs > 0
-    np.testing.assert_array_equal(first.fit.z, again.fit.z)
+    assert_array_equal(first.fit.z, again.fit.z)
 
 
 def test_a_line_that_was_not_written_whole_is_computed_again(folder, no_pictures):
@@ -302,7 +301,7 @@ def test_a_line_that_was_not_written_whole_is_computed_again(folder, no_pictures
     file.write_bytes(text[:-40])
     again = calibrate("drops.toml", "out")
     assert (again.runs, again.before) == (first.runs, first.runs - 1)
-    np.testing.assert_array_equal(first.fit.z, again.fit.z)
+    assert_array_equal(first.fit.z, again.fit.z)
     assert calibrate("drops.toml", "out").before == first.runs
 
 
@@ -341,7 +340,7 @@ def test_a_killed_command_goes_on(folder, no_pictures):
     before = len(file.read_text().splitlines()) - 1  # the last line may not be whole
     done = calibrate("drops.toml", "out")
     assert 0 < before <= done.before < done.runs
-    np.testing.assert_allclose(done.values["packed_bed.porosity"], 0.39, rtol=5e-3)
+    assert_allclose(done.values["packed_bed.porosity"], 0.39, rtol=5e-3)
 
 
 def test_failed_runs_are_kept_and_lose_nothing(folder, monkeypatch, no_pictures):
@@ -358,7 +357,7 @@ def test_failed_runs_are_kept_and_lose_nothing(folder, monkeypatch, no_pictures)
     monkeypatch.setattr(runner, "run", fails_above)
     found = calibrate("drops.toml", "out")
     assert found.failed and all(each["exit_code"] == 3 for each in found.failed)
-    np.testing.assert_allclose(found.values["packed_bed.porosity"], 0.39, rtol=5e-3)
+    assert_allclose(found.values["packed_bed.porosity"], 0.39, rtol=5e-3)
     monkeypatch.setattr(runner, "run", run)
     again = calibrate("drops.toml", "out", retry_failed=True)
     assert not again.failed and again.before == found.runs - len(found.failed)
@@ -367,7 +366,7 @@ def test_failed_runs_are_kept_and_lose_nothing(folder, monkeypatch, no_pictures)
 @pytest.mark.slow
 def test_several_processes_find_the_same(folder, no_pictures):
     one, two = calibrate("drops.toml", "one"), calibrate("drops.toml", "two", jobs=2)
-    np.testing.assert_array_equal(one.fit.z, two.fit.z)
+    assert_array_equal(one.fit.z, two.fit.z)
 
 
 def test_tangents_of_the_runs_are_the_derivatives(folder):
@@ -391,7 +390,7 @@ def test_tangents_of_the_runs_are_the_derivatives(folder):
             exact = (ends[0] - ends[1]) / (2.0 * step) * file.keys[j].prior.slope(z[j])
             # central differences of the closed form are good to 1e-9, the tangent to
             # 1e-6
-            np.testing.assert_allclose(slopes[2 * k, j], exact, rtol=1e-6)
+            assert_allclose(slopes[2 * k, j], exact, rtol=1e-6)
 
 
 def test_profiles_and_transients_have_no_tangents(folder):
@@ -463,7 +462,7 @@ def test_a_series_over_time_is_one_curve():
     axes = figure.subplots()
     _curves(axes, SimpleNamespace(points=points, prediction=prediction), [0, 1, 2])
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["predicted"]
-    np.testing.assert_array_equal(axes.get_lines()[0].get_xdata(), [1.0, 2.0, 3.0])
+    assert_array_equal(axes.get_lines()[0].get_xdata(), [1.0, 2.0, 3.0])
 
 
 def test_a_steady_scene_has_no_times(folder, capsys):
@@ -496,7 +495,7 @@ def test_the_posterior_goes_on_where_it_was_and_says_when_it_is_short(
     assert any("autocorrelation times" in text for text in found.warnings)
     again = calibrate("drops.toml", "out")
     assert again.before == found.runs
-    np.testing.assert_array_equal(found.samples.z, again.samples.z)
+    assert_array_equal(found.samples.z, again.samples.z)
     assert len(read(folder / "out" / "posterior.csv")) == 32
 
 

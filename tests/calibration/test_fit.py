@@ -5,6 +5,7 @@ intervals, failing runs.
 import numpy as np
 import pytest
 from closed_forms import ClosedForm, data
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.stats import norm
 
 from contbed.errors import ConvergenceError
@@ -61,19 +62,17 @@ def test_a_linear_problem_has_its_exact_keys_and_covariance():
     assert found.scatter == 1.0 and found.alike == 0.0 and found.converged
     # differences of a linear model are exact to rounding over the step, 1e-16/0.02; the
     # search stops at 1e-6
-    np.testing.assert_allclose(
+    assert_allclose(
         [p.value(z) for p, z in zip(PRIORS, found.z, strict=True)], keys, rtol=1e-6
     )
-    np.testing.assert_allclose(
-        found.covariance * np.outer(slopes, slopes), covariance, rtol=1e-9
-    )
+    assert_allclose(found.covariance * np.outer(slopes, slopes), covariance, rtol=1e-9)
 
 
 def test_bands_of_a_linear_problem_are_exact():
     values = MATRIX @ TRUE
     found = fit(Problem(linear(), data(values, ERRORS), PRIORS))
     _, covariance = exact_linear(values)
-    np.testing.assert_allclose(
+    assert_allclose(
         found.bands(found.slopes),
         np.sqrt(np.diag(MATRIX @ covariance @ MATRIX.T)),
         rtol=1e-9,
@@ -90,7 +89,7 @@ def test_the_profile_of_a_linear_problem_is_its_standard_error():
         half = QUANTILE * np.sqrt(found.covariance[key, key])
         assert not interval.open_low and not interval.open_high
         # the search for an end stops within 2 % of the half width
-        np.testing.assert_allclose(
+        assert_allclose(
             [interval.low, interval.high],
             found.z[key] + half * np.array([-1, 1]),
             atol=0.02 * half,
@@ -109,16 +108,14 @@ def test_samples_of_a_linear_problem_have_its_mean_and_covariance():
     # 135,000 samples of which one in some 40 is independent: 1.7 % of a mean in its
     # deviation; nearly five times that is allowed, as which samples are drawn depends
     # on the last digits of the libraries
-    np.testing.assert_allclose(
-        (samples.z.mean(axis=0) - found.z) / spread, 0.0, atol=0.08
-    )
-    np.testing.assert_allclose(
+    assert_allclose((samples.z.mean(axis=0) - found.z) / spread, 0.0, atol=0.08)
+    assert_allclose(
         np.cov(samples.z.T) / np.outer(spread, spread),
         found.covariance / np.outer(spread, spread),
         atol=0.1,
     )
     again = posterior.sample(problem, found, Posterior(walkers=40, steps=20, seed=3))
-    np.testing.assert_array_equal(
+    assert_array_equal(
         again.z,
         posterior.sample(problem, found, Posterior(walkers=40, steps=20, seed=3)).z,
     )
@@ -197,13 +194,11 @@ def test_what_the_data_do_not_see_is_named_and_keeps_its_prior():
     # per standard deviations of the priors, 1/sqrt(3) and 0.5
     length = np.hypot(1.0 / np.sqrt(3.0), 0.5)
     # root of four values
-    np.testing.assert_allclose(best.singular, 2.0 * length / 0.01, rtol=1e-9)
+    assert_allclose(best.singular, 2.0 * length / 0.01, rtol=1e-9)
     assert best.named(["a", "b", "c"]) == "0.76 a +0.65 b"
-    np.testing.assert_allclose(found.covariance[2, 2], 1.0, rtol=1e-9)
+    assert_allclose(found.covariance[2, 2], 1.0, rtol=1e-9)
     interval = identify.profile(problem, found, 2)
-    np.testing.assert_allclose(
-        [interval.low, interval.high], [-QUANTILE, QUANTILE], rtol=0.02
-    )
+    assert_allclose([interval.low, interval.high], [-QUANTILE, QUANTILE], rtol=0.02)
 
 
 def test_an_interval_that_meets_the_end_of_its_prior_is_open_there():
@@ -214,7 +209,7 @@ def test_an_interval_that_meets_the_end_of_its_prior_is_open_there():
     found = fit(problem)
     interval = identify.profile(problem, found, 0)
     assert interval.open_high and not interval.open_low
-    np.testing.assert_allclose(
+    assert_allclose(
         priors[0].value(interval.low),
         0.9 - QUANTILE * 0.2 / np.sqrt(2.0),
         atol=0.02 * 0.24,
@@ -228,7 +223,7 @@ def test_runs_that_fail_do_not_lose_the_fit():
     model = ClosedForm(decay(t), priors, fails=lambda keys: keys[1] > 0.9)
     found = fit(Problem(model, data(decay(t)(1.3, 0.7), 0.01), priors))
     assert found.converged
-    np.testing.assert_allclose(
+    assert_allclose(
         [p.value(z) for p, z in zip(priors, found.z, strict=True)],
         [1.3, 0.7],
         rtol=1e-4,
@@ -265,18 +260,18 @@ def test_priors_without_any_result_are_told():
 )
 def test_distributions_fit_together(prior):
     z = np.linspace(-1.7, 1.7, 7)
-    np.testing.assert_allclose(prior.scaled(prior.value(z)), z, atol=1e-12)
+    assert_allclose(prior.scaled(prior.value(z)), z, atol=1e-12)
     slopes = (prior.value(z + 1e-6) - prior.value(z - 1e-6)) / 2e-6
-    np.testing.assert_allclose([prior.slope(each) for each in z], slopes, rtol=1e-6)
+    assert_allclose([prior.slope(each) for each in z], slopes, rtol=1e-6)
     u = (np.arange(200_000) + 0.5) / 200_000
     values = prior(u)
     # midpoint rule: the tails of the normal ones beyond the last point hold 1e-5 of the
     # variance
-    np.testing.assert_allclose(
+    assert_allclose(
         [prior.mean, prior.deviation], [values.mean(), values.std()], rtol=1e-3
     )
     if not prior.even:
-        np.testing.assert_allclose(prior(norm.cdf(z)), prior.value(z), rtol=1e-12)
+        assert_allclose(prior(norm.cdf(z)), prior.value(z), rtol=1e-12)
 
 
 def test_the_slopes_are_central_differences():
@@ -286,7 +281,7 @@ def test_the_slopes_are_central_differences():
     _, slopes = fitting.derivatives(
         Problem(model, data([0.0], 1.0), priors), np.array([0.3]), np.array([0])
     )
-    np.testing.assert_allclose(
+    assert_allclose(
         slopes[0, 0], 2.0 * float(priors[0].value(0.3)) * width, rtol=1e-9
     )  # exact of a parabola
 

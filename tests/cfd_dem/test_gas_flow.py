@@ -8,6 +8,7 @@ from itertools import cycle
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.special import i0e
 
 from contbed.cfd_dem.conduction import Solid
@@ -147,8 +148,8 @@ def test_a_uniform_bed_has_the_pressure_drop_of_its_closure(drag, periodic):
         * 15
         * step
     )
-    assert gas.pressure_drop == pytest.approx(wanted, rel=1e-12)
-    assert force[:, 2].sum() == pytest.approx(wanted * (9 * step) ** 2, rel=1e-12)
+    assert gas.pressure_drop == approx(wanted, rel=1e-12)
+    assert force[:, 2].sum() == approx(wanted * (9 * step) ** 2, rel=1e-12)
     assert np.abs(force[:, :2]).max() < 1e-12 * force[:, 2].max()
 
 
@@ -160,7 +161,7 @@ def test_what_the_gas_gives_is_what_the_particles_get(scattered, periodic):
         force, _ = gas.step(1e-4, scattered)
         for axis in range(3):
             given = gas.given[gas.grid.face_axis == axis].sum()
-            assert force[:, axis].sum() == pytest.approx(
+            assert force[:, axis].sum() == approx(
                 given, rel=1e-12, abs=1e-15 * np.abs(force).sum()
             )
 
@@ -169,12 +170,12 @@ def test_volumes_and_porosity_keep_the_solid(scattered):
     # particles that reach beyond a wall count inside of it: not a grain is lost
     gas = Gas(box(), AIR, drag_di_felice)
     gas.step(1e-4, scattered)
-    assert ((1 - gas.eps) * gas.grid.volume).sum() == pytest.approx(
+    assert ((1 - gas.eps) * gas.grid.volume).sum() == approx(
         scattered.volume.sum(), rel=1e-12
     )
     for axis in range(3):
         own = gas.grid.face_volume[gas.grid.face_axis == axis]
-        assert own.sum() == pytest.approx(gas.grid.cells * gas.grid.volume, rel=1e-12)
+        assert own.sum() == approx(gas.grid.cells * gas.grid.volume, rel=1e-12)
 
 
 def test_spheres_above_the_grid_fall_freely():
@@ -206,7 +207,7 @@ def test_spheres_above_the_grid_fall_freely():
         + speed * t
         - 0.5 * np.array([0.0, 0.0, 9.81]) * t**2
     )
-    assert bed.simulation.position == pytest.approx(fallen, rel=1e-12)
+    assert bed.simulation.position == approx(fallen, rel=1e-12)
     assert np.array_equal(bed.T, [300.0, 300.0]) and bed.above > 0
     assert (bed.gas.eps == 1.0).all() and not bed.gas.given.any()
     assert np.array_equal(bed.gas.q, far.gas.q) and np.array_equal(bed.gas.T, far.gas.T)
@@ -227,14 +228,12 @@ def test_a_sphere_across_the_top_counts_with_its_part_below():
         for _ in range(3):
             force, _ = gas.step(1e-4, sphere)
         held = (1 - gas.eps) * gas.grid.volume
-        assert held.sum() == pytest.approx(
+        assert held.sum() == approx(
             np.pi * h**2 * (3 * R - h) / 3, rel=1e-12, abs=1e-15 * gas.grid.volume
         )
         assert held.reshape(gas.grid.count)[:, :, :-1].sum() == 0.0
         given = [gas.given[gas.grid.face_axis == axis].sum() for axis in range(3)]
-        assert force[0] == pytest.approx(
-            given, rel=1e-12, abs=1e-15 * np.abs(force).sum()
-        )
+        assert force[0] == approx(given, rel=1e-12, abs=1e-15 * np.abs(force).sum())
         assert force[0, 2] > 0.0
 
 
@@ -259,10 +258,10 @@ def test_heat_of_spheres_that_cross_the_top_stays(scattered):
         )
         for axis in range(3):
             given = gas.given[gas.grid.face_axis == axis].sum()
-            assert force[:, axis].sum() == pytest.approx(
+            assert force[:, axis].sum() == approx(
                 given, rel=1e-12, abs=1e-15 * np.abs(force).sum()
             )
-    assert total == pytest.approx(-gas.sums["gained"], rel=1e-12)
+    assert total == approx(-gas.sums["gained"], rel=1e-12)
 
 
 def test_gas_at_rest_stays_at_rest(scattered):
@@ -273,8 +272,8 @@ def test_gas_at_rest_stays_at_rest(scattered):
     assert np.abs(gas.u).max() < 1e-12
     # and its pressure is the weight of the gas above, so that spheres feel buoyancy
     z = gas.grid.centres[:, 2]
-    assert gas.p == pytest.approx(1.2 * 9.81 * (24 * D - z), rel=1e-10)
-    assert force[:, 2] == pytest.approx(1.2 * 9.81 * bed.volume, rel=1e-9)
+    assert gas.p == approx(1.2 * 9.81 * (24 * D - z), rel=1e-10)
+    assert force[:, 2] == approx(1.2 * 9.81 * bed.volume, rel=1e-9)
 
 
 def test_both_horizontal_axes_are_alike(scattered):
@@ -289,7 +288,7 @@ def test_both_horizontal_axes_are_alike(scattered):
         for _ in range(5):
             force, _ = gas.step(1e-4, bed)
         forces.append(force)
-    assert forces[1][:, [1, 0, 2]] == pytest.approx(
+    assert forces[1][:, [1, 0, 2]] == approx(
         forces[0], rel=1e-9, abs=1e-12 * np.abs(forces[0]).max()
     )
 
@@ -305,7 +304,7 @@ def test_gas_flows_around_blocked_cells():
     around = gas.grid.cell_face[blocked.ravel()]
     assert np.abs(gas.q[around]).max() == 0.0
     through = gas.q.copy()[gas.grid.cell_face[:, 5]].reshape(4, 4, 8).sum((0, 1)) / 16
-    assert through == pytest.approx(np.full(8, 0.5), rel=1e-6)
+    assert through == approx(np.full(8, 0.5), rel=1e-6)
 
 
 def schumann(z, t, h_v, eps, u, fluid, solid):
@@ -332,7 +331,7 @@ def test_schumann_fronts_at_the_order_of_the_grid():
     # 125 layers, water of 0.1 m/s
     water, d, step = ConstantFluid(1000.0, 4187.0, 1e-3, 0.5), 3.95e-3, 4e-3
     x, eps = lattice(step, 3, 3, 125), 1 - np.pi / 6 * (3.95 / 4) ** 3
-    assert eps == pytest.approx(0.4958, abs=1e-4)
+    assert eps == approx(0.4958, abs=1e-4)
     gunn = partial(nusselt_gunn, exponent_Pr=0.33)
     h_v = gunn(Re=395.0, Pr=8.374, eps=eps) * 0.5 / d * 6 * (1 - eps) / d
     errors, solids = [], []
@@ -368,7 +367,7 @@ def test_schumann_fronts_at_the_order_of_the_grid():
         errors.append(np.abs((gas.T - 300) / 10 - fluid).mean())
         solids.append(np.abs((bed.T[:125] - 300) / 10 - solid).mean())
         heat = bed.balance()
-        assert heat["in"] - heat["out"] - heat["stored"] == pytest.approx(
+        assert heat["in"] - heat["out"] - heat["stored"] == approx(
             0.0, abs=1e-12 * heat["in"]
         )
     # first order: halving cells and steps halves the error; 0.02 of the step in
@@ -393,9 +392,7 @@ def test_minimum_fluidization_is_ergun_s(packing):
         bed = bed_of(packing, U, moving=False, gas_step=1e-3)
         bed.run(0.03)
         lift.append(bed.force[:, 2].sum() / weight)
-    assert np.interp(1.0, lift, velocities) == pytest.approx(
-        ergun_velocity(eps), rel=0.05
-    )
+    assert np.interp(1.0, lift, velocities) == approx(ergun_velocity(eps), rel=0.05)
 
 
 @pytest.mark.slow
@@ -410,7 +407,7 @@ def test_a_fluidized_bed_is_carried_by_the_gas(packing):
     wanted = 1000 * VOLUME * 2500.0 * 9.81 / area + 1.2 * 9.81 * (
         40 * D - 1000 * VOLUME / area
     )
-    assert np.mean(drops) == pytest.approx(wanted, rel=0.05)
+    assert np.mean(drops) == approx(wanted, rel=0.05)
     assert (
         bed.simulation.position[:, 2].max() < 40 * D and bed.gas.counts["raised"] == 0
     )
@@ -444,14 +441,14 @@ def test_a_hot_jet_closes_its_balances_and_restarts_bit_for_bit(packing):
     whole.run(0.01)
     heat, gas = whole.balance(), whole.gas
     assert heat["in"] > 0.1
-    assert heat["in"] - heat["out"] - heat["stored"] == pytest.approx(
+    assert heat["in"] - heat["out"] - heat["stored"] == approx(
         0.0, abs=1e-10 * heat["in"]
     )
     after = gas.mass.sum() - gas.sums["mass_in"] + gas.sums["mass_out"]
-    assert after == pytest.approx(before, rel=1e-12)
+    assert after == approx(before, rel=1e-12)
     assert gas.T.min() > 300.0 - 1e-6 and gas.T.max() < 900.0 + 1e-6
     # the gas fills the room that the pressure gives it, to what one step misses
-    assert gas.mass / gas.density == pytest.approx(gas.eps * gas.open_volume, rel=0.01)
+    assert gas.mass / gas.density == approx(gas.eps * gas.open_volume, rel=0.01)
     again = hot_bed(packing)
     again.restore(state)
     again.run(0.01)
@@ -513,7 +510,7 @@ def test_radiation_tells_what_it_does_not_balance(packing):
     heat = bed.balance()
     assert bed.radiated != 0.0
     open_by = heat["in"] - heat["out"] - heat["stored"] + heat["source"]
-    assert open_by == pytest.approx(0.0, abs=1e-10 * abs(bed.gas.sums["gained"]))
+    assert open_by == approx(0.0, abs=1e-10 * abs(bed.gas.sums["gained"]))
 
 
 def test_what_cannot_be_is_refused(packing):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 from typer.testing import CliRunner
 
 import contbed as cb
@@ -125,25 +126,23 @@ def test_a_lattice_has_the_coefficients_of_its_contacts():
     # six contacts of G = 2 k c sqrt(R* delta), convection at the superficial Reynolds
     # number: exact
     radius = correction(1e7, 5e10) * np.sqrt(D / 4 * (D - STEP))
-    assert h["contact"][inner] == pytest.approx(
+    assert h["contact"][inner] == approx(
         6 * 2 * 30.0 * radius / (np.pi * D**2), rel=1e-9
     )
-    assert h["convection"] == pytest.approx(
-        float(NU(Re=RE, Pr=PR)) * 0.026 / D, rel=1e-6
-    )
+    assert h["convection"] == approx(float(NU(Re=RE, Pr=PR)) * 0.026 / D, rel=1e-6)
     assert h["impact"].max() == 0.0
     # all neighbours within 1.5 d at one temperature: 4 sigma e T^3 (1 - eps)
     eps = 1 - np.pi / 6 * (D / STEP) ** 3
-    assert h["radiation"][inner] == pytest.approx(
+    assert h["radiation"][inner] == approx(
         4 * 5.670374419e-8 * 0.9 * 1e9 * (1 - eps), rel=1e-9
     )
     average = Average(solid)
     average(bed)
     average(bed)
-    assert average.total == pytest.approx(
+    assert average.total == approx(
         sum(h[name] for name in h if name != "radiation"), rel=1e-12
     )
-    assert average.Re == pytest.approx(RE, rel=1e-6)
+    assert average.Re == approx(RE, rel=1e-6)
 
 
 def test_a_bed_of_two_sizes_exchanges_what_its_particles_do():
@@ -168,9 +167,9 @@ def test_a_bed_of_two_sizes_exchanges_what_its_particles_do():
         Bed(simulation, gas, 1e-3, moving=False), 0.5, 300.0, Solid(0.0)
     )
     d_32 = (d**3).sum() / (d**2).sum()
-    assert Re == pytest.approx(1.2 * 0.5 * d_32 / 1.8e-5, rel=1e-12)
-    assert Pr == pytest.approx(PR, rel=1e-12)
-    assert Nu == pytest.approx(2.0 * d_32 * d.sum() / (d**2).sum(), rel=1e-12)
+    assert Re == approx(1.2 * 0.5 * d_32 / 1.8e-5, rel=1e-12)
+    assert Pr == approx(PR, rel=1e-12)
+    assert Nu == approx(2.0 * d_32 * d.sum() / (d**2).sum(), rel=1e-12)
 
 
 def test_a_fresh_contact_conducts_as_an_impact():
@@ -205,17 +204,17 @@ def test_a_fresh_contact_conducts_as_an_impact():
         * impact.duration
     )
     # the duration is met to a step of 1e-6 s in 3.2e-4 s
-    assert alone and heat == pytest.approx(float(wanted), rel=0.01)
-    assert float(wanted) == pytest.approx(1.865e-7, rel=2e-3)
+    assert alone and heat == approx(float(wanted), rel=0.01)
+    assert float(wanted) == approx(1.865e-7, rel=2e-3)
 
 
 def test_a_scene_gives_coefficients_and_a_closure_that_scenes_use(folder, tmp_path):
     text = SCENE + "\n[particles.closure]\nvelocities = [0.1, 0.3, 0.6, 1.0]\n"
     result = cb.run(loads(text, base=folder), out=tmp_path / "out")
-    assert result.qoi["h_convection [W/m2/K]"] == pytest.approx(
+    assert result.qoi["h_convection [W/m2/K]"] == approx(
         float(NU(Re=RE, Pr=PR)) * 0.026 / D, rel=1e-6
     )
-    assert result.qoi["coordination"] == pytest.approx(6 - 2 / 15, rel=1e-12)
+    assert result.qoi["coordination"] == approx(6 - 2 / 15, rel=1e-12)
     assert_closed(result, 1e-12, "gas")
     assert [use["kind"] for use in result.closures] == ["drag", "nusselt"]
     assert {path.name for path in (tmp_path / "out").iterdir()} >= {
@@ -248,7 +247,7 @@ boundary.right.solids.glass = {{ velocity = 1e-4, fixed_temperature = 400.0 }}
         loads(packed.format('{ file = "closure.toml" }'), base=tmp_path / "out")
     )
     named = cb.run(loads(packed.format('{ name = "power", a = 1.2, b = 0.5 }')))
-    assert with_file.qoi["T_fluid_out_K"] == pytest.approx(
+    assert with_file.qoi["T_fluid_out_K"] == approx(
         named.qoi["T_fluid_out_K"], rel=1e-7
     )
 
@@ -259,7 +258,7 @@ def test_a_dump_of_another_program_gives_the_same(folder):
         for text in (SCENE, SCENE.replace("bed.csv", "bed.dump"))
     )
     for name in ("h_total [W/m2/K]", "h_contact [W/m2/K]", "pressure_drop [Pa]"):
-        assert dumped[name] == pytest.approx(plain[name], rel=1e-9)
+        assert dumped[name] == approx(plain[name], rel=1e-9)
 
 
 STIRRED = """
@@ -349,7 +348,7 @@ def test_the_study_of_transfer_to_a_moving_bed():
             (row["scene"], row["closures"]): float(row["T_out [K]"])
             for row in csv.DictReader(file)
         }
-    assert result.qoi["T_fluid_out_K"] == pytest.approx(
+    assert result.qoi["T_fluid_out_K"] == approx(
         rows["moving_bed", "packings"], abs=2e-3
     )
     assert all(use["share_outside"] == 0 for use in result.closures)

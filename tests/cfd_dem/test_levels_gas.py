@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
+from numpy.testing import assert_allclose, assert_array_equal
 
 import contbed as cb
 from contbed.cfd_dem.grid import Grid
@@ -35,10 +36,10 @@ def test_particles_near_a_height_are_averaged_by_column():
     )
     levels(particles([1.4], [0.95], [(0, 0, 2)]))
     found = levels.table()
-    np.testing.assert_array_equal(found["height [m]"], [0.3, 0.3, 0.9])
-    np.testing.assert_allclose(found["x [m]"], [1.25, 2.75, 1.25], rtol=1e-15)
-    np.testing.assert_allclose(found["speed_solid [m/s]"], [3.0, 2.0, 2.0], rtol=1e-15)
-    np.testing.assert_allclose(found["u_solid [m/s]"], [1.5, 0.0, 2.0], rtol=1e-15)
+    assert_array_equal(found["height [m]"], [0.3, 0.3, 0.9])
+    assert_allclose(found["x [m]"], [1.25, 2.75, 1.25], rtol=1e-15)
+    assert_allclose(found["speed_solid [m/s]"], [3.0, 2.0, 2.0], rtol=1e-15)
+    assert_allclose(found["u_solid [m/s]"], [1.5, 0.0, 2.0], rtol=1e-15)
 
 
 def test_averages_are_those_of_samples_from_their_start_on(tmp_path):

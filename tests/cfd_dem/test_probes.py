@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.cfd_dem.gas import Gas
@@ -43,14 +44,14 @@ def test_a_linear_field_is_found_exactly(gas):
     x, z = 0.0117, 0.0071
     probes = probes_of(gas.grid, {"a": (x, 0.0209, z)})
     assert probes.columns == ["a p [Pa]", "a eps_s [1]"]
-    assert probes.row(gas) == pytest.approx(
+    assert probes.row(gas) == approx(
         [2.0 + 3.0 * x + 5.0 * z, 0.6 - 10.0 * z], rel=1e-13
     )
 
 
 def test_beside_a_wall_the_values_are_those_of_the_cells(gas):
     corner = probes_of(gas.grid, {"a": (0.01, 0.02, 0.0), "b": (0.013, 0.022, 0.012)})
-    assert corner.row(gas)[::2] == pytest.approx([gas.p[0], gas.p[-1]], rel=1e-14)
+    assert corner.row(gas)[::2] == approx([gas.p[0], gas.p[-1]], rel=1e-14)
 
 
 def test_profiles_hold_the_probes_and_the_highest_particle(tmp_path):
@@ -80,7 +81,7 @@ def test_a_bed_that_has_settled_deep_into_itself_runs(tmp_path):
         "plots = true, fields = false", "plots = false"
     )
     result = cb.run(loads(soft), out=tmp_path)
-    assert result.qoi["time [s]"] == pytest.approx(0.004, rel=0.1)
+    assert result.qoi["time [s]"] == approx(0.004, rel=0.1)
     (file,) = tmp_path.glob("particles*.vtu")
     again = soft.replace("count = 60", f'file = "{file}"').replace(", seed = 3", "")
     assert len(cb.run(loads(again)).plan.particles) == 60
@@ -98,9 +99,9 @@ def test_overlaps_of_a_file_are_judged_by_the_stiffness():
         scene = loads(SCENE.replace('"1 MPa"', f"{modulus}"))
         for radius in (1e-3, 4e-3):
             beads = Particles([[0.0, 0.0, 0.0]], radius)
-            assert _largest_overlap(
-                scene.particles, scene.solid, beads
-            ) == pytest.approx(expected, rel=1e-3)
+            assert _largest_overlap(scene.particles, scene.solid, beads) == approx(
+                expected, rel=1e-3
+            )
 
 
 def test_one_bar_shows_the_whole_run(monkeypatch):
@@ -121,4 +122,4 @@ def test_one_bar_shows_the_whole_run(monkeypatch):
     values = [value for _, value in whole]
     assert len({id(bar) for bar, _ in whole}) == 1 and seen[-1][0] is whole[-1][0]
     assert seen.index(whole[0]) == len(seen) - len(whole)  # none in between
-    assert values == sorted(values) and values[-1] == pytest.approx(0.02, rel=1e-3)
+    assert values == sorted(values) and values[-1] == approx(0.02, rel=1e-3)

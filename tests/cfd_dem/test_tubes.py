@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.integrate import quad
 from typer.testing import CliRunner
 
@@ -100,7 +101,7 @@ def test_a_sphere_beside_a_tube_conducts_as_beside_an_isothermal_plane(gap):
         u = np.sqrt(R**2 - r**2)
         return 2.0 * np.pi * r / ((u - r * D / cone) / K + (D - u) / K_GAS)
 
-    assert found.gap == pytest.approx(
+    assert found.gap == approx(
         [quad(line, 0.0, end, epsabs=0.0, epsrel=1e-11)[0]], rel=1e-9
     )
     assert found.contact == 0.0 and found.touching.sum() == 0.0
@@ -113,7 +114,7 @@ def test_a_contact_conducts_as_an_isothermal_disc_on_a_half_space():
     delta = 0.05 * R
     for modulus, factor in ((None, 1.0), (64e6, 0.25)):
         found, *_ = around(at(30.0, -delta), modulus=modulus)
-        assert found.contact == pytest.approx(
+        assert found.contact == approx(
             [4.0 * K * np.sqrt(R * delta) * factor], rel=1e-9
         )
         assert found.touching.tolist() == [0, 1, *[0] * (SECTORS - 2)]
@@ -134,7 +135,7 @@ def test_the_gas_exchanges_by_the_speed_beside_the_tube():
     h, D, speed = heat._convection(gas), 2.0 * R_TUBE, np.hypot(0.3, 0.6)
     Re, Pr = 1.2 * speed * D / 1.8e-5, 1.8e-5 * 1005.0 / K_GAS
     law = nusselt_cylinder_churchill_bernstein(Re=Re, Pr=Pr)
-    assert h == pytest.approx(np.full(SECTORS, law * K_GAS / D), rel=1e-12)
+    assert h == approx(np.full(SECTORS, law * K_GAS / D), rel=1e-12)
 
 
 def test_what_is_mirrored_gives_mirrored_coefficients():
@@ -149,11 +150,11 @@ def test_what_is_mirrored_gives_mirrored_coefficients():
             *at(220.0, 0.01 * R),
         ]
     )
-    assert found.gap == pytest.approx(np.full(4, found.gap[0]), rel=1e-9)
+    assert found.gap == approx(np.full(4, found.gap[0]), rel=1e-9)
     assert found.sector.tolist() == [1, 11, 5, 7]
-    assert found.eps == pytest.approx(np.roll(found.eps[::-1], 1), rel=1e-12)
-    assert found.h == pytest.approx(np.roll(found.h[::-1], 1), rel=1e-12)
-    assert angles()[found.sector] == pytest.approx([30.0, 330.0, 150.0, 210.0])
+    assert found.eps == approx(np.roll(found.eps[::-1], 1), rel=1e-12)
+    assert found.h == approx(np.roll(found.h[::-1], 1), rel=1e-12)
+    assert angles()[found.sector] == approx([30.0, 330.0, 150.0, 210.0])
 
 
 def test_blocked_cells_lie_within_the_tube_and_hold_no_particle():
@@ -180,7 +181,7 @@ def test_heat_of_a_tube_is_in_the_balance(tmp_path):
     energy = result.balances["energy"]
     rows = result.profiles["low heat_tube [W]"]
     t = np.concatenate([[0.0], result.profiles["t [s]"]])
-    assert energy["source"] == pytest.approx(rows @ np.diff(t), rel=1e-12)
+    assert energy["source"] == approx(rows @ np.diff(t), rel=1e-12)
     assert energy["source"] > 0.0 and abs(energy["relative_residual"]) < 1e-10
     assert_closed(result, 1e-12, "gas")
     table = result.tables["tube_low"]
@@ -189,11 +190,11 @@ def test_heat_of_a_tube_is_in_the_balance(tmp_path):
         + table["h_gap [W/m2/K]"]
         + table["h_convection [W/m2/K]"]
     )
-    assert table["h [W/m2/K]"] == pytest.approx(parts, rel=1e-14)
-    assert result.qoi["h_tube_low [W/m2/K]"] == pytest.approx(parts.mean(), rel=1e-14)
+    assert table["h [W/m2/K]"] == approx(parts, rel=1e-14)
+    assert result.qoi["h_tube_low [W/m2/K]"] == approx(parts.mean(), rel=1e-14)
     # the samples of the averages are at the ends of the rows, of which each has some
     # steps
-    assert table["q [W/m2]"].sum() * np.pi * 8e-3 * 6.5e-3 / SECTORS == pytest.approx(
+    assert table["q [W/m2]"].sum() * np.pi * 8e-3 * 6.5e-3 / SECTORS == approx(
         rows[1:].mean(), rel=0.2
     )
     # particles and gas are between 300 K and the tube
@@ -209,9 +210,7 @@ def test_a_tube_as_warm_as_the_bed_gives_no_heat():
         "temperature = 350.0", "temperature = 300.0"
     )
     # of 1 W
-    assert cb.run(loads(scene)).profiles["low heat_tube [W]"] == pytest.approx(
-        0.0, abs=1e-12
-    )
+    assert cb.run(loads(scene)).profiles["low heat_tube [W]"] == approx(0.0, abs=1e-12)
 
 
 def test_a_restart_goes_on_bit_for_bit(tmp_path):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from contbed import closures
 from contbed.closures.binding import bind
@@ -48,7 +49,7 @@ def in_kernel(closure):
 )
 def test_a_kernel_calls_the_closure_of_the_scene(spec):
     closure = bind(spec, "drag", DRAG)
-    np.testing.assert_allclose(in_kernel(closure), closure(**KNOWN), rtol=1e-13)
+    assert_allclose(in_kernel(closure), closure(**KNOWN), rtol=1e-13)
 
 
 def stokes(d_p, mu):
@@ -62,7 +63,7 @@ def test_a_kernel_compiles_the_functions_that_a_closure_calls(scratch_register):
         return stokes(d_p, mu) / eps
 
     closure = bind("drag_with_a_helper", "drag", DRAG)
-    np.testing.assert_allclose(in_kernel(closure), closure(**KNOWN), rtol=1e-13)
+    assert_allclose(in_kernel(closure), closure(**KNOWN), rtol=1e-13)
 
 
 def test_a_kernel_without_a_closure_is_zero():
@@ -77,7 +78,7 @@ def test_a_closure_with_its_arguments_in_another_order(scratch_register):
     closure = bind(Closure(name="reordered", factor=3.0, power=1.5), "drag", DRAG)
     expected = 3.0 * 1.8e-5 * 40.0 / 0.6**1.5
     assert closure(**KNOWN) == pytest.approx(expected, rel=1e-14)
-    np.testing.assert_allclose(in_kernel(closure), expected, rtol=1e-14)
+    assert_allclose(in_kernel(closure), expected, rtol=1e-14)
 
 
 def test_kernels_are_kept_on_disk():

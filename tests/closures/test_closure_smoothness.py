@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed import closures
 from contbed.fem.ad.dual import Dual
@@ -119,7 +120,7 @@ def test_arrays_broadcast_and_stay_untouched(function):
         *(value.shape for value in arguments.values())
     )
     last = {name: float(value.flat[-1]) for name, value in arguments.items()}
-    assert function(**last) == pytest.approx(result.flat[-1], rel=1e-14)
+    assert function(**last) == approx(result.flat[-1], rel=1e-14)
 
 
 @pytest.mark.parametrize("function", ALL, ids=lambda function: function.__name__)
@@ -151,9 +152,7 @@ def test_slopes_are_right_where_the_printed_formula_is_zero_over_zero(
     arguments = {"k_fluid": 0.5, "k_solid": 0.5 * ratio * (1 + offset), "eps": 0.4}
     for name in arguments:
         expected = difference(function, arguments, name, 1e-5)
-        assert slope(function, arguments, name) == pytest.approx(
-            expected, rel=1e-7, abs=1e-8
-        )
+        assert slope(function, arguments, name) == approx(expected, rel=1e-7, abs=1e-8)
 
 
 def test_log_branches_join_with_equal_slopes():
@@ -166,15 +165,13 @@ def test_log_branches_join_with_equal_slopes():
             for offset in (-1e-12, 1e-12)
         ]
         below, above = (slope(zehner, each, "k_solid") for each in arguments)
-        assert below == pytest.approx(above, rel=1e-10)
+        assert below == approx(above, rel=1e-10)
 
 
 def test_slope_of_the_ergun_gradient_at_rest_is_the_viscous_one():
     arguments = {"u": np.zeros(1), "d_p": 2e-3, "eps": 0.4, "mu": 1.8e-5, "rho": 1.2}
     at_rest = slope(closures.pressure_gradient_ergun, arguments, "u")
-    assert at_rest == pytest.approx(
-        1.8e-5 / closures.permeability_ergun(2e-3, 0.4), rel=1e-13
-    )
+    assert at_rest == approx(1.8e-5 / closures.permeability_ergun(2e-3, 0.4), rel=1e-13)
 
 
 def test_every_argument_has_a_standard_name():

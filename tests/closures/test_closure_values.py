@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pytest import approx
 
 from contbed import closures
 from contbed.closures.conductivity_cell import _log_tail
@@ -44,19 +45,19 @@ porosities = st.floats(0, 1)
     ("eps", "expected"), [(0.49579176421443, 76.178587), (0.74789588210722, 40.462158)]
 )
 def test_gunn_of_the_two_readings_of_patil(eps, expected):
-    assert closures.nusselt_gunn(395.0, 8.374, eps, exponent_Pr=0.33) == pytest.approx(
+    assert closures.nusselt_gunn(395.0, 8.374, eps, exponent_Pr=0.33) == approx(
         expected, abs=5e-7
     )
 
 
 def test_gunn_with_exponent_one_third():
-    assert closures.nusselt_gunn(395.0, 8.374, 0.49579176421443) == pytest.approx(
+    assert closures.nusselt_gunn(395.0, 8.374, 0.49579176421443) == approx(
         76.697, abs=5e-4
     )
 
 
 def test_gunn_of_the_stagnant_single_sphere_is_two():
-    assert closures.nusselt_gunn(0.0, 0.7, 1.0) == pytest.approx(2.0, rel=1e-15)
+    assert closures.nusselt_gunn(0.0, 0.7, 1.0) == approx(2.0, rel=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -68,10 +69,10 @@ def test_spheres_without_flow_have_nusselt_two(function):
 
 def test_power_law_contains_wakao_and_ranz():
     Re = np.geomspace(1, 1e4, 7)
-    assert closures.nusselt_power(Re, 0.7, 1.1, 0.6) == pytest.approx(
+    assert closures.nusselt_power(Re, 0.7, 1.1, 0.6) == approx(
         closures.nusselt_wakao_kaguei(Re, 0.7)
     )
-    assert closures.nusselt_power(Re, 0.7, 0.6, 0.5) == pytest.approx(
+    assert closures.nusselt_power(Re, 0.7, 0.6, 0.5) == approx(
         closures.nusselt_ranz_marshall(Re, 0.7)
     )
 
@@ -89,12 +90,8 @@ def test_the_two_kuwahara_exponents_meet_at_reynolds_zero_and_one():
 
 
 def test_hsu_reproduces_table_1_of_pivem():
-    assert closures.conductivity_hsu(1.0, 40.0, 0.4) == pytest.approx(
-        4.2929334, abs=5e-8
-    )
-    assert closures.tortuosity_hsu(1.0, 40.0, 0.4) == pytest.approx(
-        -0.01321964, abs=5e-9
-    )
+    assert closures.conductivity_hsu(1.0, 40.0, 0.4) == approx(4.2929334, abs=5e-8)
+    assert closures.tortuosity_hsu(1.0, 40.0, 0.4) == approx(-0.01321964, abs=5e-9)
 
 
 @given(
@@ -105,7 +102,7 @@ def test_tortuosity_is_the_printed_quotient(ratio, eps):
         ratio - 1
     ) ** 2
     # The quotient is a difference of terms of order 1 + ratio.
-    assert closures.tortuosity_hsu(1.0, ratio, eps) == pytest.approx(
+    assert closures.tortuosity_hsu(1.0, ratio, eps) == approx(
         printed, rel=1e-12, abs=1e-14 * (1 + ratio) / (ratio - 1) ** 2
     )
 
@@ -152,7 +149,7 @@ def test_bed_models_lie_between_series_and_parallel_in_their_range(function, sha
 @pytest.mark.parametrize("function", [*EXACT, *BEDS])
 @given(k=st.floats(1e-3, 1e3), eps=st.floats(0.05, 0.95))
 def test_equal_phases_conduct_like_one(function, k, eps):
-    assert function(k, k, eps) == pytest.approx(k, rel=1e-12)
+    assert function(k, k, eps) == approx(k, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -165,12 +162,12 @@ def test_equal_phases_conduct_like_one(function, k, eps):
 )
 @pytest.mark.parametrize("k_solid", [0.01, 1.0, 30.0])
 def test_bed_without_solid_conducts_like_the_fluid(function, k_solid):
-    assert function(0.3, k_solid, 1.0) == pytest.approx(0.3, rel=1e-14)
+    assert function(0.3, k_solid, 1.0) == approx(0.3, rel=1e-14)
 
 
 @pytest.mark.parametrize("function", EXACT)
 def test_bed_without_fluid_conducts_like_the_solid(function):
-    assert function(0.3, 7.0, 0.0) == pytest.approx(7.0, rel=1e-14)
+    assert function(0.3, 7.0, 0.0) == approx(7.0, rel=1e-14)
 
 
 def zehner_bauer_as_printed(kappa, eps, R, shape):
@@ -223,17 +220,15 @@ def test_regular_forms_equal_the_printed_ones(kappa, eps, shape):
     zehner = closures.conductivity_zehner_schluender(
         0.05, 0.05 * kappa, eps, shape=shape
     )
-    assert zehner == pytest.approx(
-        0.05 * zehner_as_printed(kappa, eps, shape), rel=1e-9
-    )
+    assert zehner == approx(0.05 * zehner_as_printed(kappa, eps, shape), rel=1e-9)
     kunii = closures.conductivity_kunii_smith(0.05, 0.05 * kappa, eps)
-    assert kunii == pytest.approx(0.05 * kunii_as_printed(kappa, eps), rel=1e-9)
+    assert kunii == approx(0.05 * kunii_as_printed(kappa, eps), rel=1e-9)
     T, d_p, emissivity = 900.0, 0.004, 0.7
     R = 4 * 5.670374419e-8 * T**3 * d_p / ((2 / emissivity - 1) * 0.05)
     bauer = closures.conductivity_zehner_bauer_schluender(
         0.05, 0.05 * kappa, eps, T, d_p, emissivity, shape=shape
     )
-    assert bauer == pytest.approx(
+    assert bauer == approx(
         0.05 * zehner_bauer_as_printed(kappa, eps, R, shape), rel=1e-9
     )
 
@@ -245,7 +240,7 @@ def test_zehner_at_its_printed_singularity():
     # logarithm series.
     root = math.sqrt(1 - eps)
     expected = 1 - root + root * (1 + 2 * (B - 1) / 3)
-    assert closures.conductivity_zehner_schluender(1.0, B, eps) == pytest.approx(
+    assert closures.conductivity_zehner_schluender(1.0, B, eps) == approx(
         expected, rel=1e-13
     )
 
@@ -254,7 +249,7 @@ def test_radiation_off_gives_zehner_and_contact_adds():
     cold = closures.conductivity_zehner_bauer_schluender(
         0.05, 1.0, 0.4, 900.0, 0.004, 1e-12
     )
-    assert cold == pytest.approx(
+    assert cold == approx(
         closures.conductivity_zehner_schluender(0.05, 1.0, 0.4), rel=1e-9
     )
     hot = [
@@ -290,7 +285,7 @@ def test_log_tail_is_its_integral(order, z):
     t = (t + 1) / 2
     integral = np.sum(weight / 2 * t ** (order - 1) / (1 - t * z))
     # Just outside |z| = 0.1 the closed form loses 3 digits.
-    assert _log_tail(1 - z, order) == pytest.approx(integral, rel=1e-12)
+    assert _log_tail(1 - z, order) == approx(integral, rel=1e-12)
 
 
 # --- dispersion, pressure drop, wall ---
@@ -311,7 +306,7 @@ def test_dispersion_vanishes_without_flow_and_is_stronger_along_it():
 
 def test_vdi_transverse_in_a_wide_tube_is_one_seventh():
     wide = closures.dispersion_vdi_transverse(Pe=70.0, k_fluid=1.0, d_p=1e-9, D_bed=1.0)
-    assert wide == pytest.approx(10.0, rel=1e-8)
+    assert wide == approx(10.0, rel=1e-8)
 
 
 @given(u=st.floats(-3, 3), eps=st.floats(0.3, 0.6))
@@ -321,7 +316,7 @@ def test_ergun_gradient_is_darcy_plus_forchheimer(u, eps):
     expected = mu * u / K + closures.forchheimer_ergun(eps) * rho * abs(
         u
     ) * u / math.sqrt(K)
-    assert closures.pressure_gradient_ergun(u, d_p, eps, mu, rho) == pytest.approx(
+    assert closures.pressure_gradient_ergun(u, d_p, eps, mu, rho) == approx(
         expected, rel=1e-12
     )
 
@@ -329,27 +324,27 @@ def test_ergun_gradient_is_darcy_plus_forchheimer(u, eps):
 def test_permeabilities_differ_by_their_constants():
     d_p, eps = 2e-3, 0.37
     carman = closures.permeability_carman_kozeny(d_p, eps)
-    assert closures.permeability_ergun(d_p, eps) / carman == pytest.approx(180 / 150)
-    assert closures.permeability_kuwahara(d_p, eps) / carman == pytest.approx(180 / 144)
-    assert closures.permeability_pivem(d_p, eps) * eps == pytest.approx(
+    assert closures.permeability_ergun(d_p, eps) / carman == approx(180 / 150)
+    assert closures.permeability_kuwahara(d_p, eps) / carman == approx(180 / 144)
+    assert closures.permeability_pivem(d_p, eps) * eps == approx(
         closures.permeability_kuwahara(d_p, eps)
     )
 
 
 def test_permeability_pivem_of_table_3():
     # Table 3 prints K = 5.062E-06 for D = 3 mm and phi = 0.9.
-    assert closures.permeability_pivem(3e-3, 0.9) == pytest.approx(5.062e-6, rel=1e-4)
+    assert closures.permeability_pivem(3e-3, 0.9) == approx(5.062e-6, rel=1e-4)
 
 
 def test_wall_coefficients():
     bed = {"Re": 300.0, "Pr": 0.7, "k_fluid": 0.03, "d_p": 0.006, "D_bed": 0.06}
-    assert closures.wall_li_finlayson(**bed) * 0.006 / 0.03 == pytest.approx(
+    assert closures.wall_li_finlayson(**bed) * 0.006 / 0.03 == approx(
         0.17 * 300**0.79, rel=1e-12
     )
     still = closures.wall_martin_nilles(**(bed | {"Re": 0.0}), k_stagnant=0.2)
-    assert still == pytest.approx(1.8 * 0.2 / 0.006, rel=1e-12)
+    assert still == approx(1.8 * 0.2 / 0.006, rel=1e-12)
     moving = closures.wall_martin_nilles(**bed, k_stagnant=0.2)
-    assert (moving - still) * 0.006 / 0.03 == pytest.approx(
+    assert (moving - still) * 0.006 / 0.03 == approx(
         0.19 * 300**0.75 * 0.7 ** (1 / 3), rel=1e-12
     )
 
@@ -365,12 +360,12 @@ def test_beetstra_in_its_limits():
     single = closures.drag_beetstra(Re=0.0, eps=1.0 - 1e-9, d_p=d, mu=mu) / (
         1e-9 * 18.0 * mu / d**2
     )
-    assert single == pytest.approx(1.0, rel=1e-4)
+    assert single == approx(1.0, rel=1e-4)
     eps = 0.4
     still = closures.drag_beetstra(Re=0.0, eps=eps, d_p=d, mu=mu) * d**2 / mu
     carman = 180.0 * (1 - eps) ** 2 / eps
     second = 18.0 * (1 - eps) * eps**3 * (1 + 1.5 * (1 - eps) ** 0.5)
-    assert still == pytest.approx(carman + second, rel=1e-12)
+    assert still == approx(carman + second, rel=1e-12)
 
 
 def test_beetstra_beside_ergun_in_a_packed_bed():

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pytest import approx
 
 from contbed.closures import enclosure
 from contbed.closures.optics import SIGMA, optical_coefficients
@@ -72,9 +73,7 @@ def test_what_some_lose_the_others_gain(mixture):
 @given(mixtures(2, 6))
 def test_equilibrium_is_the_enclosure_for_any_number_of_species(mixture):
     equilibrium, _, surfaces = all_three(*mixture)
-    assert equilibrium == pytest.approx(
-        surfaces, rel=0, abs=ROUND_OFF * emission(*mixture)
-    )
+    assert equilibrium == approx(surfaces, rel=0, abs=ROUND_OFF * emission(*mixture))
 
 
 @given(mixtures(2, 6))
@@ -82,17 +81,13 @@ def test_enclosure_solves_for_the_radiosities(mixture):
     # The system is singular as all emissivities vanish: at 0.01 its condition number is
     # about 100.
     found = enclosure.exchange_enclosure(*mixture)
-    assert found == pytest.approx(
-        radiosities(*mixture), rel=0, abs=1e-11 * emission(*mixture)
-    )
+    assert found == approx(radiosities(*mixture), rel=0, abs=1e-11 * emission(*mixture))
 
 
 @given(mixtures(2, 2))
 def test_pairs_are_exact_for_two_species(mixture):
     equilibrium, pairs, _ = all_three(*mixture)
-    assert pairs == pytest.approx(
-        equilibrium, rel=0, abs=ROUND_OFF * emission(*mixture)
-    )
+    assert pairs == approx(equilibrium, rel=0, abs=ROUND_OFF * emission(*mixture))
 
 
 @given(mixtures(3, 6))
@@ -100,7 +95,7 @@ def test_pairs_are_exact_for_black_species(mixture):
     extinction, emissivity, T = mixture
     black = np.ones_like(emissivity)
     equilibrium, pairs, _ = all_three(extinction, black, T)
-    assert pairs == pytest.approx(
+    assert pairs == approx(
         equilibrium, rel=0, abs=ROUND_OFF * emission(extinction, black, T)
     )
 
@@ -136,7 +131,7 @@ def test_pairs_by_the_printed_equations_with_area_and_volume_of_one_particle():
                     / inverse
                 )
     found = enclosure.exchange_pairwise(extinction, emissivity, T)
-    assert found == pytest.approx(
+    assert found == approx(
         expected, rel=0, abs=ROUND_OFF * emission(extinction, emissivity, T)
     )
 
@@ -147,9 +142,9 @@ def test_two_black_species_by_hand():
     K, T = np.array([50.0, 50.0]), np.array([1200.0, 1000.0])
     expected = 100.0 * SIGMA * (1200.0**4 - 1000.0**4)
     for lost in all_three(K, np.ones(2), T):
-        assert lost == pytest.approx([expected, -expected], rel=ROUND_OFF)
+        assert lost == approx([expected, -expected], rel=ROUND_OFF)
     mean = 2 * SIGMA * (1200.0**4 + 1000.0**4)
-    assert enclosure.irradiation_equilibrium(K, T) == pytest.approx(mean, rel=ROUND_OFF)
+    assert enclosure.irradiation_equilibrium(K, T) == approx(mean, rel=ROUND_OFF)
 
 
 def test_the_hottest_loses_and_equal_temperatures_exchange_nothing():
@@ -176,7 +171,7 @@ def test_a_species_that_vanishes_leaves_the_others_alone():
         all_three(extinction[[0, 2]], emissivity[[0, 2]], T[[0, 2]]),
         strict=True,
     ):
-        assert with_it[[0, 2]] == pytest.approx(without, rel=ROUND_OFF)
+        assert with_it[[0, 2]] == approx(without, rel=ROUND_OFF)
         assert with_it[1] == 0.0
 
 
@@ -193,7 +188,7 @@ def test_positions_are_the_further_axes():
         strict=True,
     ):
         assert many.shape == (3, 2, 2)
-        assert many[:, 1, 0] == pytest.approx(one, rel=1e-12)
+        assert many[:, 1, 0] == approx(one, rel=1e-12)
 
 
 @pytest.mark.parametrize("which", range(3))
@@ -212,4 +207,4 @@ def test_dual_numbers_give_the_slope_to_every_temperature(which):
         )
         expected = (high - low) / (2 * step * T[n])
         for m in range(3):
-            assert found[m].tangents[n] == pytest.approx(expected[m], rel=1e-6)
+            assert found[m].tangents[n] == approx(expected[m], rel=1e-6)

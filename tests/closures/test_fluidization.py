@@ -4,6 +4,7 @@ fluidization, worked numbers.
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed import closures
 
@@ -23,7 +24,7 @@ def test_minimum_fluidization_solves_its_quadratic(function):
     c1, c2 = MINIMUM[function]
     Ar = np.logspace(0.5, 8, 30)
     Re = function(Ar)
-    assert (Re**2 + 2 * c1 * Re) / c2 == pytest.approx(Ar, rel=1e-14)
+    assert (Re**2 + 2 * c1 * Re) / c2 == approx(Ar, rel=1e-14)
 
 
 def test_minimum_fluidization_of_sand():
@@ -33,7 +34,7 @@ def test_minimum_fluidization_of_sand():
     rho, mu, d_p = 1.2, 1.8e-5, 5e-4
     Ar = d_p**3 * rho * (2600 - rho) * 9.81 / mu**2
     u_mf = closures.minimum_fluidization_wen_yu(Ar) * mu / (rho * d_p)
-    assert u_mf == pytest.approx(0.1955, abs=1e-4)
+    assert u_mf == approx(0.1955, abs=1e-4)
     assert closures.minimum_fluidization_grace(
         Ar
     ) > closures.minimum_fluidization_wen_yu(Ar)
@@ -41,13 +42,11 @@ def test_minimum_fluidization_of_sand():
 
 def test_bubbles_grow_from_the_distributor_to_their_largest():
     size = closures.bubble_size_mori_wen(np.array([0.0, 0.5, 1.0, 1e3]), 0.02, 0.3, 0.8)
-    assert size[0] == pytest.approx(0.02, rel=1e-14) and np.all(np.diff(size) > 0)
+    assert size[0] == approx(0.02, rel=1e-14) and np.all(np.diff(size) > 0)
     # in the units of the original, cm and s: 0.652 [A (u - u_mf)]^0.4, rounded
     # constants
-    assert size[-1] == pytest.approx(
-        0.01 * 0.652 * (np.pi / 4 * 80**2 * 30) ** 0.4, rel=5e-3
-    )
-    assert closures.bubble_rise_davidson_harrison(1e-12, 0.3, 1.0) == pytest.approx(
+    assert size[-1] == approx(0.01 * 0.652 * (np.pi / 4 * 80**2 * 30) ** 0.4, rel=5e-3)
+    assert closures.bubble_rise_davidson_harrison(1e-12, 0.3, 1.0) == approx(
         0.3, rel=1e-4
     )
 
@@ -61,12 +60,12 @@ def test_exchange_in_series_and_side_by_side():
         closures.gas_exchange_kunii_levenspiel(d_b, 0.0, factor * D, eps)
         for factor in (1, 4)
     ]
-    assert slow[1] == pytest.approx(2 * slow[0], rel=1e-13)
-    assert closures.gas_exchange_sit_grace(d_b, u_mf, 0.0, eps, 1.0) == pytest.approx(
+    assert slow[1] == approx(2 * slow[0], rel=1e-13)
+    assert closures.gas_exchange_sit_grace(d_b, u_mf, 0.0, eps, 1.0) == approx(
         2 * u_mf / d_b, rel=1e-15
     )
     heat = closures.bubble_heat_kunii_levenspiel(d_b, u_mf, 0.3, 1150.0, 0.0)
-    assert heat == pytest.approx(4.5 * u_mf * 345.0 / d_b, rel=1e-15)
+    assert heat == approx(4.5 * u_mf * 345.0 / d_b, rel=1e-15)
 
 
 def test_heat_is_gas_exchange_where_lewis_is_one():
@@ -78,7 +77,7 @@ def test_heat_is_gas_exchange_where_lewis_is_one():
         d_b, u_mf, k / (rho * cp), 1e30
     )
     heat = closures.bubble_heat_kunii_levenspiel(d_b, u_mf, rho, cp, k)
-    assert heat == pytest.approx(rho * cp * bubble_cloud, rel=1e-12)
+    assert heat == approx(rho * cp * bubble_cloud, rel=1e-12)
 
 
 @pytest.mark.parametrize("Ar", [1e-15, 1e-6])
@@ -88,14 +87,12 @@ def test_minimum_fluidization_of_fine_particles_is_creeping(function, Ar):
     lost.
     """
     C1, C2 = MINIMUM[function]
-    assert function(Ar) == pytest.approx(
-        0.5 * C2 * Ar / C1, rel=C2 * Ar / C1**2 + 1e-14
-    )
+    assert function(Ar) == approx(0.5 * C2 * Ar / C1, rel=C2 * Ar / C1**2 + 1e-14)
 
 
 def test_minimum_fluidization_by_ergun_of_fine_particles_is_that_of_carman():
     eps, shape = 0.45, 0.9
     K2 = 150.0 * (1.0 - eps) / (shape**2 * eps**3)
-    assert closures.minimum_fluidization_ergun(1e-12, eps, shape) == pytest.approx(
+    assert closures.minimum_fluidization_ergun(1e-12, eps, shape) == approx(
         1e-12 / K2, rel=1e-11
     )

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pytest import approx
 
 from contbed.closures import optics
 from contbed.closures import radiation_emissivity_half_space as emissivity_half_space
@@ -40,11 +41,11 @@ def test_sauter_mean_of_a_sieve_analysis_by_hand():
     sizes = SizeDistribution.from_sieves(
         [0.2e-3, 0.4e-3, 0.8e-3, 1.6e-3], [0.25, 0.5, 0.25]
     )
-    assert sizes.d_32 == pytest.approx(1e-3 / 1.875, rel=ROUND_OFF)
+    assert sizes.d_32 == approx(1e-3 / 1.875, rel=ROUND_OFF)
 
 
 def test_sauter_mean_of_one_size_is_that_size():
-    assert SizeDistribution((2e-3,), (1.0,)).d_32 == pytest.approx(2e-3, rel=ROUND_OFF)
+    assert SizeDistribution((2e-3,), (1.0,)).d_32 == approx(2e-3, rel=ROUND_OFF)
 
 
 @given(
@@ -60,7 +61,7 @@ def test_extinction_of_classes_is_that_of_their_sauter_mean(classes):
         0.3 * fractions, diameters, np.full(len(fractions), 0.7)
     )
     together = optics.optics([Species("all", 0.3, sizes, 0.7)])
-    assert together.extinction == pytest.approx(apart.extinction, rel=1e-13)
+    assert together.extinction == approx(apart.extinction, rel=1e-13)
     assert (
         diameters.min() * (1 - ROUND_OFF)
         <= sizes.d_32
@@ -74,10 +75,10 @@ def test_extinction_of_classes_is_that_of_their_sauter_mean(classes):
 def test_coefficients_by_hand():
     # kappa = 1.5 * (0.01 / 3e-3, 0.09 / 1e-3, 0.4 / 7e-4) = 5, 135, 6000/7
     here = bed()
-    assert here.absorption == pytest.approx([4.25, 54.0, 3600 / 7], rel=ROUND_OFF)
-    assert here.scattering == pytest.approx([0.75, 81.0, 2400 / 7], rel=ROUND_OFF)
-    assert here.extinction == pytest.approx(6980 / 7, rel=ROUND_OFF)
-    assert here.albedo == pytest.approx((81.75 + 2400 / 7) * 7 / 6980, rel=ROUND_OFF)
+    assert here.absorption == approx([4.25, 54.0, 3600 / 7], rel=ROUND_OFF)
+    assert here.scattering == approx([0.75, 81.0, 2400 / 7], rel=ROUND_OFF)
+    assert here.extinction == approx(6980 / 7, rel=ROUND_OFF)
+    assert here.albedo == approx((81.75 + 2400 / 7) * 7 / 6980, rel=ROUND_OFF)
 
 
 def test_species_list_gives_the_same_as_arrays():
@@ -90,14 +91,14 @@ def test_species_list_gives_the_same_as_arrays():
 
 def test_close_packing_divides_by_voidage_and_keeps_the_albedo():
     dense, points = bed("close_packed"), bed()
-    assert dense.extinction == pytest.approx(2 * points.extinction, rel=ROUND_OFF)
-    assert dense.albedo == pytest.approx(points.albedo, rel=ROUND_OFF)
+    assert dense.extinction == approx(2 * points.extinction, rel=ROUND_OFF)
+    assert dense.albedo == approx(points.albedo, rel=ROUND_OFF)
 
 
 def test_independent_species_emit_as_much_as_their_surface_and_close_packed_ones_more():
     surface = 6 * FRACTIONS / DIAMETERS
-    assert 4 * bed().absorption == pytest.approx(EMISSIVITIES * surface, rel=ROUND_OFF)
-    assert 4 * bed("close_packed").absorption == pytest.approx(
+    assert 4 * bed().absorption == approx(EMISSIVITIES * surface, rel=ROUND_OFF)
+    assert 4 * bed("close_packed").absorption == approx(
         EMISSIVITIES * surface / 0.5, rel=ROUND_OFF
     )
 
@@ -111,7 +112,7 @@ def test_packings_agree_as_the_particles_vanish(share):
     assert np.all(
         np.abs(dense.absorption - points.absorption) <= share * points.absorption
     )
-    assert points.absorption == pytest.approx(share * bed().absorption, rel=ROUND_OFF)
+    assert points.absorption == approx(share * bed().absorption, rel=ROUND_OFF)
 
 
 @pytest.mark.parametrize(("emissivity", "albedo"), [(1.0, 0.0), (0.0, 1.0)])
@@ -129,7 +130,7 @@ def test_positions_are_the_further_axes():
     assert many.absorption.shape == (3, 5)
     assert many.transport.shape == (5,)
     last = optical_coefficients(profile[:, -1], DIAMETERS, EMISSIVITIES)
-    assert many.diffusion()[-1] == pytest.approx(last.diffusion(), rel=ROUND_OFF)
+    assert many.diffusion()[-1] == approx(last.diffusion(), rel=ROUND_OFF)
 
 
 def test_mean_cosine_of_a_diffusely_reflecting_sphere():
@@ -138,24 +139,22 @@ def test_mean_cosine_of_a_diffusely_reflecting_sphere():
     nodes, weights = np.polynomial.legendre.leggauss(30)
     t, w = 0.5 * np.pi * (nodes + 1), 0.5 * np.pi * weights
     phase = 8 / (3 * np.pi) * (np.sin(t) - t * np.cos(t))
-    assert 0.5 * np.sum(w * phase * np.sin(t)) == pytest.approx(1.0, rel=ROUND_OFF)
+    assert 0.5 * np.sum(w * phase * np.sin(t)) == approx(1.0, rel=ROUND_OFF)
     mean = 0.5 * np.sum(w * phase * np.sin(t) * np.cos(t))
-    assert mean == pytest.approx(optics.ANISOTROPY_DIFFUSE_SPHERES, rel=ROUND_OFF)
+    assert mean == approx(optics.ANISOTROPY_DIFFUSE_SPHERES, rel=ROUND_OFF)
 
 
 def test_back_scattering_shortens_the_transport_path_of_p1_only():
     here = bed(anisotropy=optics.ANISOTROPY_DIFFUSE_SPHERES)
     K_a, K_s = here.absorption_total, here.scattering_total
-    assert here.transport == pytest.approx(K_a + 13 / 9 * K_s, rel=ROUND_OFF)
-    assert here.diffusion("p1") == pytest.approx(
-        1 / (3 * (K_a + 13 / 9 * K_s)), rel=ROUND_OFF
-    )
+    assert here.transport == approx(K_a + 13 / 9 * K_s, rel=ROUND_OFF)
+    assert here.diffusion("p1") == approx(1 / (3 * (K_a + 13 / 9 * K_s)), rel=ROUND_OFF)
     assert (
         here.diffusion("two_flux")
         == bed().diffusion("two_flux")
         == 1 / (4 * (K_a + K_s))
     )
-    assert bed().diffusion("p1") == pytest.approx(1 / (3 * (K_a + K_s)), rel=ROUND_OFF)
+    assert bed().diffusion("p1") == approx(1 / (3 * (K_a + K_s)), rel=ROUND_OFF)
 
 
 # --- thick media and surfaces ---
@@ -164,31 +163,27 @@ def test_back_scattering_shortens_the_transport_path_of_p1_only():
 def test_conductivity_of_p1_is_rosselands_and_of_two_flux_a_quarter_less():
     T, here = 1200.0, bed()
     exact = optics.radiation_rosseland(T, here.transport)
-    assert optics.conductivity(T, here.diffusion("p1")) == pytest.approx(
-        exact, rel=ROUND_OFF
-    )
+    assert optics.conductivity(T, here.diffusion("p1")) == approx(exact, rel=ROUND_OFF)
     two_flux = optics.conductivity(T, here.diffusion("two_flux"))
-    assert two_flux == pytest.approx(0.75 * exact, rel=ROUND_OFF)
-    assert two_flux == pytest.approx(
-        4 * optics.SIGMA * T**3 / here.extinction, rel=ROUND_OFF
-    )
+    assert two_flux == approx(0.75 * exact, rel=ROUND_OFF)
+    assert two_flux == approx(4 * optics.SIGMA * T**3 / here.extinction, rel=ROUND_OFF)
 
 
 @pytest.mark.parametrize("tau", [1.0, 10.0, 400.0])
 @pytest.mark.parametrize(("eps_1", "eps_2"), [(1.0, 1.0), (0.3, 0.8)])
 def test_error_of_rosseland_is_that_of_the_closed_form(tau, eps_1, eps_2):
     p1, rosseland = 1 / (0.75 * tau + 1 / eps_1 + 1 / eps_2 - 1), 1 / (0.75 * tau)
-    assert optics.error_rosseland(tau, eps_1, eps_2) == pytest.approx(
+    assert optics.error_rosseland(tau, eps_1, eps_2) == approx(
         rosseland / p1 - 1, rel=1e-12
     )
 
 
 def test_error_of_rosseland_at_optical_thickness_400_is_a_third_of_a_percent():
-    assert optics.error_rosseland(400.0) == pytest.approx(1 / 300, rel=ROUND_OFF)
+    assert optics.error_rosseland(400.0) == approx(1 / 300, rel=ROUND_OFF)
 
 
 def test_emissivity_of_the_bed_as_quoted():
-    assert emissivity_half_space(bed().albedo) == pytest.approx(0.8622, abs=5e-5)
+    assert emissivity_half_space(bed().albedo) == approx(0.8622, abs=5e-5)
     assert emissivity_half_space(0.0) == 1.0
     assert emissivity_half_space(1.0) == 0.0
 
@@ -197,7 +192,7 @@ def test_emissivity_of_the_bed_is_the_limit_of_a_thick_two_flux_slab():
     # Emittance of an isothermal slab by two-flux: 2 s / (coth(s tau) + s); at s tau =
     # 20 the coth is 1 to 1e-17.
     s = np.sqrt(1 - 0.5)
-    assert emissivity_half_space(0.5) == pytest.approx(
+    assert emissivity_half_space(0.5) == approx(
         2 * s / (1 / np.tanh(20.0) + s), rel=ROUND_OFF
     )
 
@@ -205,12 +200,12 @@ def test_emissivity_of_the_bed_is_the_limit_of_a_thick_two_flux_slab():
 def test_tube_in_a_bed_as_quoted():
     black = optics.SIGMA * (1150.0**4 - 550.0**4)
     effective = optics.emissivity_immersed(emissivity_half_space(bed().albedo), 0.8)
-    assert effective * black == pytest.approx(67e3, abs=500)
-    assert optics.marshak(0.8) * 4 * black == pytest.approx(125e3, abs=500)
+    assert effective * black == approx(67e3, abs=500)
+    assert optics.marshak(0.8) * 4 * black == approx(125e3, abs=500)
 
 
 def test_black_bed_leaves_the_emissivity_of_the_surface():
-    assert optics.emissivity_immersed(1.0, 0.3) == pytest.approx(0.3, rel=ROUND_OFF)
+    assert optics.emissivity_immersed(1.0, 0.3) == approx(0.3, rel=ROUND_OFF)
 
 
 @pytest.mark.parametrize("tau", [0.1, 30.0])
@@ -225,7 +220,7 @@ def test_marshak_on_two_walls_gives_the_flux_between_gray_plates(tau):
     )
     expected = (E_1 - E_2) / (0.75 * tau + 1 / eps_1 + 1 / eps_2 - 1)
     # At tau = 30 the difference of two nearly equal G costs a digit.
-    assert slope * (G_1 - G_2) == pytest.approx(expected, rel=1e-13)
+    assert slope * (G_1 - G_2) == approx(expected, rel=1e-13)
 
 
 # --- dual numbers ---
@@ -237,7 +232,7 @@ def test_dual_numbers_give_the_slope_to_temperature():
     expected = (
         optics.conductivity(T * (1 + step), D) - optics.conductivity(T * (1 - step), D)
     ) / (2 * step * T)
-    assert found == pytest.approx(expected, rel=1e-8)
+    assert found == approx(expected, rel=1e-8)
 
 
 def test_dual_numbers_give_the_slope_to_a_volume_fraction():
@@ -248,9 +243,7 @@ def test_dual_numbers_give_the_slope_to_a_volume_fraction():
 
     f, step = np.array([0.1, 0.4]), 1e-5
     expected = (diffusion(f * (1 + step)) - diffusion(f * (1 - step))) / (2 * step * f)
-    assert diffusion(Dual(f, {"f": 1.0})).tangents["f"] == pytest.approx(
-        expected, rel=1e-8
-    )
+    assert diffusion(Dual(f, {"f": 1.0})).tangents["f"] == approx(expected, rel=1e-8)
 
 
 # --- refused input ---

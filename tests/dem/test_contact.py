@@ -10,6 +10,7 @@ step, 1e-4.
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.dem.contact import (
     ContactConstants,
@@ -70,11 +71,11 @@ def test_hertz_impact(axis, radii):
         simulation.run(1)
         closed = simulation.contacts()
         largest, touching = max(largest, *closed.overlap, 0.0), touching + len(closed)
-    assert largest == pytest.approx(overlap, rel=1e-6)
-    assert touching * simulation.time_step == pytest.approx(
+    assert largest == approx(overlap, rel=1e-6)
+    assert touching * simulation.time_step == approx(
         duration, abs=1.01 * simulation.time_step
     )
-    assert np.diff(simulation.velocity[:, axis])[0] == pytest.approx(SPEED, rel=1e-6)
+    assert np.diff(simulation.velocity[:, axis])[0] == approx(SPEED, rel=1e-6)
     assert np.abs(np.delete(simulation.velocity, axis, axis=1)).max() == 0.0
 
 
@@ -86,7 +87,7 @@ def test_duration_of_an_impact():
     simulation.run(4400)
     gap = np.diff(simulation.position[:, 2])[0] - 2 * RADIUS
     parted = simulation.time - gap / np.diff(simulation.velocity[:, 2])[0]
-    assert parted == pytest.approx(duration, rel=1e-6)
+    assert parted == approx(duration, rel=1e-6)
 
 
 @pytest.mark.parametrize("axis", AXES)
@@ -95,7 +96,7 @@ def test_restitution(axis, restitution):
     simulation, _, _ = impact(axis, Material(restitution=restitution), 100_000)
     simulation.run(300_000)
     assert not len(simulation.contacts())
-    assert np.diff(simulation.velocity[:, axis])[0] == pytest.approx(
+    assert np.diff(simulation.velocity[:, axis])[0] == approx(
         restitution * SPEED, rel=1e-6
     )
 
@@ -106,14 +107,12 @@ def test_restitution_does_not_depend_on_speed():
         simulation, _, _ = impact(0, Material(restitution=0.7), 1000, speed=speed)
         simulation.run(2000)
         found.append(np.diff(simulation.velocity[:, 0])[0] / speed)
-    assert found[0] == pytest.approx(found[1], rel=1e-5)
+    assert found[0] == approx(found[1], rel=1e-5)
 
 
 def test_damping_ratio():
     b = damping_ratio([0.9, 0.5])
-    assert np.exp(-np.pi * b / np.sqrt(1 - b**2)) == pytest.approx(
-        [0.9, 0.5], rel=1e-14
-    )
+    assert np.exp(-np.pi * b / np.sqrt(1 - b**2)) == approx([0.9, 0.5], rel=1e-14)
 
 
 def constants(pair, radius, mass):
@@ -138,13 +137,13 @@ def test_mindlin_slope(axis):
     force = np.array(found.force)
     k_n = 2.0 * pair["youngs_modulus"] * np.sqrt(RADIUS / 2 * overlap)
     slope = -np.dot(force, t) / moved
-    assert slope == pytest.approx(
+    assert slope == approx(
         8.0 * pair["shear_modulus"] * np.sqrt(RADIUS / 2 * overlap), rel=1e-12
     )
-    assert slope == pytest.approx(
+    assert slope == approx(
         k_n * 2 * (1 - GLASS.poisson_ratio) / (2 - GLASS.poisson_ratio), rel=1e-12
     )
-    assert np.dot(force, n) == pytest.approx(2.0 / 3.0 * k_n * overlap, rel=1e-12)
+    assert np.dot(force, n) == approx(2.0 / 3.0 * k_n * overlap, rel=1e-12)
 
 
 def test_friction_never_exceeds_coulomb_and_releases_in_tension():
@@ -204,9 +203,9 @@ def test_slide_to_roll(axis):
         axis, (axis + 2) % 3, material, v0, step=1e-6, seconds=seconds
     )
     rolling = v0 / (1.0 + 0.4 * RADIUS**2 / arm**2)
-    assert simulation.velocity[0, forward] == pytest.approx(rolling, rel=1e-4)
-    assert rolling == pytest.approx(5 / 7 * v0, rel=1e-3)
-    assert simulation.spin[0, (axis + 2) % 3] * arm == pytest.approx(rolling, rel=1e-4)
+    assert simulation.velocity[0, forward] == approx(rolling, rel=1e-4)
+    assert rolling == approx(5 / 7 * v0, rel=1e-3)
+    assert simulation.spin[0, (axis + 2) % 3] * arm == approx(rolling, rel=1e-4)
 
 
 @pytest.mark.parametrize("axis", AXES)
@@ -216,7 +215,7 @@ def test_sliding_slows_by_friction(axis):
     simulation, forward, _ = on_plane(
         axis, (axis + 2) % 3, material, v0, step=1e-6, seconds=seconds
     )
-    assert simulation.velocity[0, forward] == pytest.approx(
+    assert simulation.velocity[0, forward] == approx(
         v0 - 0.3 * 9.81 * seconds, rel=2e-3
     )
 
@@ -247,22 +246,18 @@ def test_rolling_stop(axis):
     simulation, forward, _ = on_plane(
         axis, spin_axis, material, v0, v0 / RADIUS, step=1e-6, seconds=seconds
     )
-    assert simulation.position[0, forward] == pytest.approx(
-        v0**2 / (2 * slowing), rel=5e-3
-    )
+    assert simulation.position[0, forward] == approx(v0**2 / (2 * slowing), rel=5e-3)
     assert abs(simulation.velocity[0, forward]) < 1e-6 * v0
     assert abs(simulation.spin[0, spin_axis]) * RADIUS < 1e-6 * v0
 
 
 def test_safe_step():
     spheres = Particles([[0, 0, 0]], RADIUS)
-    assert rayleigh_time(RADIUS, GLASS) == pytest.approx(8.653e-5, rel=1e-3)
-    assert largest_safe_step(spheres, [GLASS], 1e-4) == pytest.approx(
+    assert rayleigh_time(RADIUS, GLASS) == approx(8.653e-5, rel=1e-3)
+    assert largest_safe_step(spheres, [GLASS], 1e-4) == approx(
         0.2 * rayleigh_time(RADIUS, GLASS)
     )
-    assert largest_safe_step(spheres, [GLASS], 0.1) == pytest.approx(
-        3.232e-4 / 20, rel=1e-3
-    )
+    assert largest_safe_step(spheres, [GLASS], 0.1) == approx(3.232e-4 / 20, rel=1e-3)
 
 
 def test_time_step_too_large_names_the_safe_one():

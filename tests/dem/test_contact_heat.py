@@ -8,6 +8,7 @@ step, which is less. Conservation: rounding of some 1e5 sums, 1e-13.
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.dem import heat_impact, heat_pair
 from contbed.dem.contact import hertz_impact
@@ -65,11 +66,11 @@ def test_heat_of_an_impact(axis, steps):
         * 100.0
     )
     # 1.865e-7 J/K for glass of 2 mm at 0.1 m/s
-    assert wanted == pytest.approx(1.865e-5, rel=1e-3)
+    assert wanted == approx(1.865e-5, rel=1e-3)
     given = simulation.heat_capacity * (np.array([400.0, 300.0]) - simulation.T)
-    assert given[0] == pytest.approx(wanted, rel=1.0 / steps)
+    assert given[0] == approx(wanted, rel=1.0 / steps)
     # rounding of 300 K against 2e-3 K
-    assert given[1] == pytest.approx(-given[0], rel=1e-6)
+    assert given[1] == approx(-given[0], rel=1e-6)
 
 
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)])
@@ -87,7 +88,7 @@ def test_heat_of_an_impact_of_two_materials(order):
         * 100.0
     )
     given = simulation.heat_capacity * (np.array([400.0, 300.0]) - simulation.T)
-    assert given[0] == pytest.approx(wanted, rel=2e-3)
+    assert given[0] == approx(wanted, rel=2e-3)
 
 
 def test_softened_spheres_exchange_the_heat_of_hard_ones():
@@ -102,7 +103,7 @@ def test_softened_spheres_exchange_the_heat_of_hard_ones():
         )
         simulation.run(1010)
         given.append(400.0 - simulation.T[0])
-    assert given[0] == pytest.approx(given[1], rel=2e-3)
+    assert given[0] == approx(given[1], rel=2e-3)
 
 
 def test_after_the_impact_the_contact_is_at_rest():
@@ -127,7 +128,7 @@ def test_after_the_impact_the_contact_is_at_rest():
     )
     rate = G * (1.0 / simulation.heat_capacity).sum()
     # explicit Euler: (1 - rate dt)^steps
-    assert np.diff(simulation.T)[0] == pytest.approx(
+    assert np.diff(simulation.T)[0] == approx(
         before * (1.0 - rate * 1e-5) ** 1000, rel=1e-6
     )
     assert before < 100.0
@@ -170,7 +171,7 @@ def test_heat_is_conserved_and_evens_out():
     low, high = simulation.T.min(), simulation.T.max()
     simulation.run(20_000)
     after = simulation.heat_capacity @ simulation.T
-    assert after == pytest.approx(before, rel=1e-13)
+    assert after == approx(before, rel=1e-13)
     assert simulation.T.std() < 0.9 * spread
     assert simulation.T.min() >= low and simulation.T.max() <= high
 
@@ -198,7 +199,7 @@ def test_a_heat_source():
     )
     simulation.heat_source[:] = 2.0
     simulation.run(100)
-    assert simulation.T[0] == pytest.approx(
+    assert simulation.T[0] == approx(
         300.0 + 2.0 * simulation.time / simulation.heat_capacity[0], rel=1e-12
     )
     simulation.heat_source[:] = np.nan

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.dem import dumps
 from contbed.dem.particle_files import read_particles, write_particles
@@ -69,9 +70,9 @@ def failure(path):
 def test_liggghts(dump):
     (frame,) = dumps.read_dump(dump(LIGGGHTS))
     assert frame.step == 60000 and frame.periodic == (False, False, True)
-    assert frame.radius == pytest.approx([0.001, 0.0015, 0.001])  # by id
-    assert pytest.approx([300, 305.25, 301.5]) == frame.T
-    assert frame.x[2] == pytest.approx([0.003, 0.004, 0.001])
+    assert frame.radius == approx([0.001, 0.0015, 0.001])  # by id
+    assert approx([300, 305.25, 301.5]) == frame.T
+    assert frame.x[2] == approx([0.003, 0.004, 0.001])
     assert (frame.low.tolist(), frame.high.tolist()) == (
         [0, 0, -0.001],
         [0.026, 0.026, 0.04],
@@ -82,9 +83,9 @@ def test_liggghts(dump):
 def test_lammps_with_scaled_positions_and_several_steps(dump):
     frames = dumps.read_dump(dump(LAMMPS + LAMMPS.replace("\n10\n", "\n20\n")))
     assert [frame.step for frame in frames] == [10, 20]
-    assert frames[1].x == pytest.approx(np.array([[1.0, 0, 1], [0, 1, 2]]))
-    assert frames[1].radius == pytest.approx([0.25, 0.125])
-    assert pytest.approx([400, 410]) == frames[1].T
+    assert frames[1].x == approx(np.array([[1.0, 0, 1], [0, 1, 2]]))
+    assert frames[1].radius == approx([0.25, 0.125])
+    assert approx([400, 410]) == frames[1].T
     assert np.isnan(frames[1].columns["element"]).all()
 
 
@@ -153,10 +154,10 @@ def test_tables(tmp_path, text, radius, velocity):
     path = tmp_path / "x.csv"
     path.write_text(text)
     table = read_table(path)
-    assert table.x == pytest.approx(TWO)
+    assert table.x == approx(TWO)
     for found, wanted in ((table.radius, radius), (table.velocity, velocity)):
         assert (found is None) == (wanted is None)
-        assert wanted is None or found == pytest.approx(np.array(wanted))
+        assert wanted is None or found == approx(np.array(wanted))
     assert has_radii(path) == (radius is not None)
 
 
@@ -182,9 +183,9 @@ def test_own_files_of_particles_are_read(tmp_path):
 def test_a_dump_that_liggghts_wrote():
     first, last = dumps.read_dump(REAL / "liggghts.dump")
     assert (first.step, last.step) == (0, 500)
-    assert first.radius == pytest.approx([1e-3, 1e-3, 1e-3, 1.5e-3, 1e-3, 1e-3])
-    assert first.x[3] == pytest.approx([0.002, 0.0037, 0.001499])
-    assert pytest.approx([300.0] * 5 + [400.0]) == first.T
+    assert first.radius == approx([1e-3, 1e-3, 1e-3, 1.5e-3, 1e-3, 1e-3])
+    assert first.x[3] == approx([0.002, 0.0037, 0.001499])
+    assert approx([300.0] * 5 + [400.0]) == first.T
     assert (last.low.tolist(), last.high.tolist(), last.periodic) == (
         [0, 0, -2e-3],
         [6e-3, 6e-3, 1e-2],
@@ -193,7 +194,7 @@ def test_a_dump_that_liggghts_wrote():
     # the hot sphere has touched the large one and lost to it; 0.008 K of 300 are known
     # to 6 % in the digits of a dump
     lost, won = ((last.radius**3 * (last.T - first.T))[k] for k in (5, 3))
-    assert won > 0.0 and won == pytest.approx(-lost, rel=0.07)
+    assert won > 0.0 and won == approx(-lost, rel=0.07)
 
 
 def test_a_dump_that_lammps_wrote():
@@ -201,12 +202,10 @@ def test_a_dump_that_lammps_wrote():
     assert (first.step, last.step) == (0, 250)
     # scaled positions of six digits in a box of 6 and 12 mm; the same spheres as in the
     # other dump
-    assert first.x == pytest.approx(
-        dumps.read_dump(REAL / "liggghts.dump")[0].x, abs=1.2e-8
-    )
-    assert first.radius[3] == pytest.approx(1.5e-3) and first.T is None
+    assert first.x == approx(dumps.read_dump(REAL / "liggghts.dump")[0].x, abs=1.2e-8)
+    assert first.radius[3] == approx(1.5e-3) and first.T is None
     assert last.periodic == (True, True, False)
-    assert last.columns["vz"][5] == pytest.approx(0.631756)
+    assert last.columns["vz"][5] == approx(0.631756)
 
 
 @pytest.mark.parametrize("name", ["liggghts.dump", "lammps.dump"])

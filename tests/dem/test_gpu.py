@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import contbed as cb
 from contbed.dem import gpu, packing
@@ -33,7 +34,7 @@ MOTION = ("position", "velocity", "spin", "T")
 def alike(one, other, tolerance=1e-11):
     for name in MOTION:
         size = np.abs(other[name]).max(initial=0.0)
-        np.testing.assert_allclose(
+        assert_allclose(
             one[name], other[name], rtol=0.0, atol=tolerance * size, err_msg=name
         )
 
@@ -127,7 +128,7 @@ def test_what_leaves_one_particle_enters_the_other(folder):
     """
     start = gpu_scenes.pair("contbed")
     with np.load(folder / "pair.npz") as found:
-        np.testing.assert_array_equal(found["load"][0, :3], -found["load"][1, :3])
+        assert_array_equal(found["load"][0, :3], -found["load"][1, :3])
         assert np.abs(found["load"][0, :3]).max() > 0.0
         before, after = (start.mass @ v for v in (start.velocity, found["velocity"]))
         assert np.abs(after - before).max() < 10 * 2.3e-16 * start.mass @ np.abs(
@@ -293,6 +294,4 @@ def test_a_bed_on_a_gpu():
     alike(one.state(), own.state(), 1e-10)
     for found in (again, rest):
         for name in MOTION:
-            np.testing.assert_array_equal(
-                getattr(one, name), getattr(found, name), err_msg=name
-            )
+            assert_array_equal(getattr(one, name), getattr(found, name), err_msg=name)

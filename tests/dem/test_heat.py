@@ -7,6 +7,7 @@ import itertools
 import mpmath as mp
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.special import gamma
 
 from contbed.dem import heat, heat_impact, heat_pair
@@ -59,7 +60,7 @@ def test_the_closed_form_is_the_integral(eps, half_gap):
             1.0, 1.0, 2.0 + 2.0 * half_gap, ratio, ratio, 1.0, eps, r_contact
         )
         exact = two_spheres(1, 1, half_gap, ratio, ratio, 1, eps, r_contact)
-        assert float(found) == pytest.approx(exact, rel=1e-12), (ratio, r_contact)
+        assert float(found) == approx(exact, rel=1e-12), (ratio, r_contact)
 
 
 @pytest.mark.parametrize("R", [1.0, 1.25, 3.0])
@@ -71,13 +72,11 @@ def test_unlike_particles_by_quadrature(R):
     ):
         args = (*k, 1.0, 0.4)
         found = heat_pair.gap_conductance(1.0, R, 1.0 + R + 2 * half_gap, *args)
-        assert float(found) == pytest.approx(
-            two_spheres(1, R, half_gap, *args, 0), rel=1e-12
-        )
+        assert float(found) == approx(two_spheres(1, R, half_gap, *args, 0), rel=1e-12)
         swapped = heat_pair.gap_conductance(
             R, 1.0, 1.0 + R + 2 * half_gap, *k[::-1], 1.0, 0.4
         )
-        assert float(swapped) == pytest.approx(float(found), rel=1e-15)
+        assert float(swapped) == approx(float(found), rel=1e-15)
 
 
 def test_published_values_and_the_end_of_reach():
@@ -87,7 +86,7 @@ def test_published_values_and_the_end_of_reach():
         )
         / np.pi
     )
-    assert value[:3] == pytest.approx(
+    assert value[:3] == approx(
         [3.00020696363, 2.25653118815, 0.150378444168], rel=1e-11
     )
     assert value[3] == 0.0
@@ -102,8 +101,8 @@ def test_columns_are_exact_between_alike_materials():
     # k face/d for any face, gap and overlap: round-off
     face, d = np.meshgrid([1e-3, 0.5, 3.0, 8.0], [1.9, 2.0, 2.1, 3.5])
     G = heat_pair.column_conductance(1.0, d, face, 0.7, 0.7, 0.7)
-    assert pytest.approx(0.7 * face / d, rel=1e-14) == G
-    assert heat_pair.contact_excess(0.1, 0.7, 0.7, 0.7) == pytest.approx(0.0, abs=1e-16)
+    assert approx(0.7 * face / d, rel=1e-14) == G
+    assert heat_pair.contact_excess(0.1, 0.7, 0.7, 0.7) == approx(0.0, abs=1e-16)
 
 
 @pytest.mark.parametrize("ratio", [0.01, 0.9999, 1.001, 1.02, 5.0, 1e4])
@@ -120,34 +119,30 @@ def test_columns_are_their_integral(ratio, distance):
     exact = float(mp.quad(integrand, [0, 0.01, 0.1, mp.asin(rim)]))
     found = heat_pair.column_conductance(1.0, distance, face, ratio, ratio, 1.0)
     # near 1 both the logarithm and its series run through 10 terms of (1e-2)^n
-    assert float(found) == pytest.approx(exact, rel=1e-12)
+    assert float(found) == approx(exact, rel=1e-12)
 
 
 def test_contact_and_its_correction():
     # as the paper prints
-    assert heat_pair.correction(1e7, 5e10, heat_pair.IMPACT) == pytest.approx(
-        0.182, abs=5e-4
-    )
-    assert heat_pair.correction(1e7, 5e10) == pytest.approx(0.0585, abs=5e-5)
+    assert heat_pair.correction(1e7, 5e10, heat_pair.IMPACT) == approx(0.182, abs=5e-4)
+    assert heat_pair.correction(1e7, 5e10) == approx(0.0585, abs=5e-5)
     r = heat_pair.contact_radius(1e-3, 1e-3, [1.99e-3, 2e-3, 2.1e-3], factor=0.5)
-    assert r == pytest.approx([0.5 * (0.5e-3 * 1e-5) ** 0.5, 0.0, 0.0], rel=1e-12)
+    assert r == approx([0.5 * (0.5e-3 * 1e-5) ** 0.5, 0.0, 0.0], rel=1e-12)
     # Batchelor and O'Brien
-    assert heat_pair.contact_conductance(1e-5, 3.0, 3.0) == pytest.approx(
-        2 * 3.0 * 1e-5
-    )
+    assert heat_pair.contact_conductance(1e-5, 3.0, 3.0) == approx(2 * 3.0 * 1e-5)
 
 
 def test_one_impact():
     # values of a direct integration of Hertz's law for glass of 2 mm at 0.1 m/s
     mass = 2500 * 4 / 3 * np.pi * 1e-9
     impact = heat_impact.hertz_impact(0.5e-3, mass / 2, 1e7 / (2 * 0.91), 0.1)
-    assert impact.overlap / 2e-3 == pytest.approx(5.49e-3, rel=1e-3)
-    assert impact.duration == pytest.approx(3.232e-4, rel=1e-3)
+    assert impact.overlap / 2e-3 == approx(5.49e-3, rel=1e-3)
+    assert impact.duration == approx(3.232e-4, rel=1e-3)
     exact = 2 * np.sqrt(np.pi) * gamma(1.4) / gamma(0.9)
-    assert impact.duration * 0.1 / impact.overlap == pytest.approx(exact, rel=1e-12)
+    assert impact.duration * 0.1 / impact.overlap == approx(exact, rel=1e-12)
     capacity = 2500 * 840.0
     G = heat_impact.impact_conductance(impact, (0.84, 0.84), (capacity, capacity))
-    assert G * impact.duration == pytest.approx(1.865e-7, rel=1e-3)
+    assert G * impact.duration == approx(1.865e-7, rel=1e-3)
     c = heat_pair.correction(1e7, 5e10, heat_pair.IMPACT)
     stiff = heat_impact.hertz_impact(0.5e-3, mass / 2, 5e10 / (2 * 0.91), 0.1)
     real = (
@@ -159,7 +154,7 @@ def test_one_impact():
         * impact.duration
     )
     # the correction of an impact is exact: c^3
-    assert soft == pytest.approx(real, rel=1e-12)
+    assert soft == approx(real, rel=1e-12)
     one, other = (
         heat_impact.impact_conductance(impact, k, h)
         for k, h in (((1.0, 9.0), (1e6, 3e6)), ((9.0, 1.0), (3e6, 1e6)))
@@ -169,9 +164,7 @@ def test_one_impact():
 
 def test_the_factor_of_an_impact():
     found = heat_impact.impact_factor(np.array([0.0, 0.1, 0.5, 1.0, 5.0, 10.0]), 1.0)
-    assert found == pytest.approx(
-        [0.9011, 0.9215, 0.9984, 1.0859, 1.610, 2.076], abs=6e-4
-    )
+    assert found == approx([0.9011, 0.9215, 0.9984, 1.0859, 1.610, 2.076], abs=6e-4)
     # C1 changes its sign here
     through = heat_impact.impact_factor(0.1, np.linspace(0.55, 0.56, 101))
     assert np.abs(np.diff(through, 2)).max() < 1e-6
@@ -196,7 +189,7 @@ def test_pairs_through_periodic_sides():
     # a particle and its own images, each pair once
     one = heat.near_pairs(np.zeros((1, 3)), 1.0, CUBE, CLOSED)
     assert len(one.i) == 3
-    assert np.abs(one.vector).sum(0) == pytest.approx([1.0, 1.0, 1.0])
+    assert np.abs(one.vector).sum(0) == approx([1.0, 1.0, 1.0])
 
 
 @pytest.mark.parametrize(
@@ -211,7 +204,7 @@ def test_voronoi_cells_fill_the_box(periodic):
         moment = np.einsum(
             "p,pa,pb->ab", pairs.face / pairs.distance, pairs.vector, pairs.vector
         )
-        assert moment == pytest.approx(np.eye(3), abs=1e-13)
+        assert moment == approx(np.eye(3), abs=1e-13)
     # Gauss: the faces of a cell away from the walls close
     normal = pairs.face[:, None] * pairs.vector / pairs.distance[:, None]
     sums = np.zeros((500, 3))
@@ -231,7 +224,7 @@ def test_surroundings_and_radiation():
     same = np.full(60, 900.0)
     pairs = heat.near_pairs(x, 0.3, CUBE, CLOSED)
     local = heat.surroundings(pairs, same, 900.0, 0.4, 0.2)
-    assert local == pytest.approx(same, rel=1e-15)
+    assert local == approx(same, rel=1e-15)
     Q, imbalance = heat.radiation(same, local, 0.2, 0.8)
     assert np.abs(Q).max() < 1e-8  # rounding of 900^4 against itself
     T = 900.0 + 100.0 * x[:, 2]
@@ -240,7 +233,7 @@ def test_surroundings_and_radiation():
     assert 1e-3 < abs(imbalance) < 0.5
     far = heat.near_pairs(np.array([[0.0, 0, 0], [9.0, 9, 9]]), 20.0)
     lonely = heat.surroundings(far, np.array([300.0, 400.0]), 350.0, 0.4, 1.0)
-    assert lonely == pytest.approx([350.0, 350.0])  # nobody near: the fluid alone
+    assert lonely == approx([350.0, 350.0])  # nobody near: the fluid alone
 
 
 def test_radiation_as_conductances_is_the_slope_of_the_exchange():
@@ -256,11 +249,11 @@ def test_radiation_as_conductances_is_the_slope_of_the_exchange():
     flow = G * (T[pairs.j] - T[pairs.i])
     linear = np.bincount(pairs.i, flow, 64) - np.bincount(pairs.j, flow, 64)
     # T varies by 1e-6 of itself
-    assert pytest.approx(linear, abs=5e-6 * np.abs(linear).max()) == Q
+    assert approx(linear, abs=5e-6 * np.abs(linear).max()) == Q
 
 
 def test_convection():
-    assert heat.convection(56.2, 0.71, 0.026, 2e-3) * 2e-3 / 0.026 == pytest.approx(
+    assert heat.convection(56.2, 0.71, 0.026, 2e-3) * 2e-3 / 0.026 == approx(
         10.03, abs=0.01
     )
 
@@ -271,7 +264,7 @@ def test_mechanisms_add_up_and_need_their_faces():
     full = heat.conductances(pairs, 0.1, heat.Conduction(10.0, 1.0))
     assert set(full) == {"contact", "fluid_touching", "fluid_apart"}
     assert not (full["fluid_touching"] * full["fluid_apart"]).any()
-    assert heat.total(full) == pytest.approx(sum(full.values()), rel=1e-15)
+    assert heat.total(full) == approx(sum(full.values()), rel=1e-15)
     assert set(heat.conductances(pairs, 0.1, heat.Conduction(10.0, None))) == {
         "contact"
     }

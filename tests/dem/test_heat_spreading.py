@@ -5,6 +5,7 @@ a resolved cubic lattice.
 import numpy as np
 import pytest
 import skfem
+from pytest import approx
 from skfem.helpers import dot, grad
 
 import contbed as cb
@@ -39,7 +40,7 @@ def test_alike_materials_conduct_as_the_material():
         fluid, contact = spreading_conductance(
             1.0, d.ravel(), face.ravel(), (0.7, 0.7), 0.7, r_contact
         )
-        assert fluid + contact == pytest.approx((0.7 * face / d).ravel(), rel=1e-9)
+        assert fluid + contact == approx((0.7 * face / d).ravel(), rel=1e-9)
 
 
 def test_touching_spheres_follow_batchelor_and_o_brien():
@@ -47,21 +48,21 @@ def test_touching_spheres_follow_batchelor_and_o_brien():
     # nearly touch
     found = [conductance(ratio=ratio) / np.pi for ratio in (1e4, 1e5, 1e6)]
     # 96 rings over six to eight decades: 1e-3 of G, 3e-3 of a difference
-    assert np.diff(found) == pytest.approx([2.0 * np.log(10.0)] * 2, rel=4e-3)
+    assert np.diff(found) == approx([2.0 * np.log(10.0)] * 2, rel=4e-3)
     h = 1e-9
     K = gap_between_perfect_conductors(h, 3.0) / np.pi + np.log(h)
     # printed with two digits
-    assert found[1] - 2.0 * np.log(1e5) - K == pytest.approx(-3.9, abs=0.03)
+    assert found[1] - 2.0 * np.log(1e5) - K == approx(-3.9, abs=0.03)
 
 
 @pytest.mark.parametrize("h", [1e-4, 1e-2, 0.3])
 def test_a_wide_gap_is_that_of_perfect_conductors(h):
     # ratio^2 h/R >> 1, and the particles themselves 1e-4 of it
-    assert conductance(2.0 + h, ratio=1e6) == pytest.approx(
+    assert conductance(2.0 + h, ratio=1e6) == approx(
         gap_between_perfect_conductors(h, 3.0), rel=1e-3
     )
     # a jump of the temperature is a gap of that width
-    assert conductance(ratio=1e6, jump=h) == pytest.approx(
+    assert conductance(ratio=1e6, jump=h) == approx(
         gap_between_perfect_conductors(h, 3.0), rel=1e-3
     )
 
@@ -76,14 +77,14 @@ def test_a_contact_without_fluid_is_a_constriction(r_contact):
     spot = (1.0 - 1.40978 * e + 0.34406 * e**3 + 0.0435 * e**5) / (4.0 * r_contact)
     exact = 1.0 / (2.0 * spot + 2.0 / 3.0)
     _, contact = spreading_conductance(1.0, 2.0, 3.0, (1.0, 1.0), 1e-5, r_contact)
-    assert float(contact[0]) == pytest.approx(exact, rel=0.06)
+    assert float(contact[0]) == approx(exact, rel=0.06)
 
 
 def test_a_weak_joint_is_all_the_resistance():
     _, contact = spreading_conductance(
         1.0, 2.0, 3.0, (1e3, 1e3), 1e-9, 0.05, joint=1e-3
     )
-    assert float(contact[0]) == pytest.approx(1e-3 * np.pi * 0.05**2, rel=1e-4)
+    assert float(contact[0]) == approx(1e-3 * np.pi * 0.05**2, rel=1e-4)
 
 
 def test_what_conducts_better_adds():
@@ -96,7 +97,7 @@ def test_what_conducts_better_adds():
         sum(spreading_conductance(1.0, 2.01, 3.0, k, 1.0))
         for k in ((10.0, 50.0), (50.0, 10.0))
     )
-    assert one == pytest.approx(other, rel=1e-14)
+    assert one == approx(other, rel=1e-14)
     with pytest.raises(ValueError, match="no better"):
         spreading_conductance(1.0, 2.0, 3.0, (1.0, 1.0), 1.1)
 
@@ -110,7 +111,7 @@ def test_many_pairs_at_once_are_single_ones():
         alone = spreading_conductance(
             1.0, d[n], face[n], (50.0, 50.0), 1.0, 0.01 if d[n] < 2.0 else 0.0
         )
-        assert [together.fluid[n], together.contact[n]] == pytest.approx(
+        assert [together.fluid[n], together.contact[n]] == approx(
             [alone.fluid[0], alone.contact[0]], rel=1e-10
         )
 
@@ -197,7 +198,7 @@ def test_a_resolved_simple_cubic_lattice(ratio, off):
         pairs, 1.0, heat.Conduction(ratio, 1.0, paths="spreading")
     )
     cell = network.periodic_cell(1, pairs, parts, 8.0)
-    assert cell.mean == pytest.approx(
+    assert cell.mean == approx(
         resolved_simple_cubic(ratio, (32, 7, 32, 12, 5)), rel=off
     )
 
@@ -207,7 +208,7 @@ def test_a_homogeneous_cell_is_exact():
     pairs = heat.voronoi_pairs(x, box, (True, True, True))
     parts = heat.conductances(pairs, 0.12, heat.Conduction(0.3, 0.3, paths="spreading"))
     cell = network.periodic_cell(len(x), pairs, parts, 1.0)
-    assert cell.conductivity == pytest.approx(0.3 * np.eye(3), abs=1e-9)
+    assert cell.conductivity == approx(0.3 * np.eye(3), abs=1e-9)
 
 
 def test_a_rough_surface_in_a_gas():
@@ -217,10 +218,10 @@ def test_a_rough_surface_in_a_gas():
     E = 2e11 / 2 / (1 - 0.29**2)
     pressure = 4.0 / 3.0 * E * r**3 / (0.5 * R) / (np.pi * r**2)
     joint, jump = STEEL.resistances(np.array([r, 0.0]), R, 42.0, 0.027)
-    assert jump == pytest.approx(415.02e-9, rel=1e-4)
+    assert jump == approx(415.02e-9, rel=1e-4)
     asperities = 1.25 * 42.0 * 0.056 / 19e-9 * (pressure / 3e9) ** 0.95
     gas = 0.027 / (1.53 * 2**0.5 * 19e-9 * (pressure / 3e9) ** -0.097 + jump)
-    assert joint[0] == pytest.approx(asperities + gas, rel=1e-12)
+    assert joint[0] == approx(asperities + gas, rel=1e-12)
     assert np.isfinite(joint[1])
 
 
@@ -251,7 +252,7 @@ poisson_ratio = 0.29
         R, 2 * R, 4 * R**2, (42.0, 42.0), 0.027, 8e-6, joint, jump
     )
     # the distance carries the rounding of the lattice
-    assert found["k_eff [W/m/K]"] == pytest.approx(float(sum(G)[0]) / (2 * R), rel=1e-6)
+    assert found["k_eff [W/m/K]"] == approx(float(sum(G)[0]) / (2 * R), rel=1e-6)
     path.write_text(text + "emissivity = 0.5\n[radiation]\ntemperature = 1000.0\n")
     # six neighbours, each with its share of the solid
     radiation = (
@@ -265,7 +266,7 @@ poisson_ratio = 0.29
         / 6.0
     )
     more = cb.run(cb.load(path)).qoi["k_eff [W/m/K]"] - found["k_eff [W/m/K]"]
-    assert more == pytest.approx(radiation / (2 * R), rel=1e-6)
+    assert more == approx(radiation / (2 * R), rel=1e-6)
     smooth = text.replace("spreading", "cones")
     path.write_text(smooth)
     refused('paths = "spreading" alone', cb.load, path)

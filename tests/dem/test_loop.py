@@ -16,6 +16,7 @@ import time
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.compiled import threads
 from contbed.compiled.interrupts import deferred_interrupt
@@ -83,7 +84,7 @@ def test_energy_of_smooth_elastic_spheres():
                 8 / 15 * 2 * modulus / 2 * np.sqrt(RADIUS) * max(delta, 0.0) ** 2.5
             )
         energies.append(simulation.kinetic_energy + stored)
-    assert energies == pytest.approx([before] * 5, rel=1e-4)
+    assert energies == approx([before] * 5, rel=1e-4)
 
 
 def test_friction_takes_energy_only():
@@ -161,8 +162,8 @@ def test_contact_across_a_periodic_side():
     domain = Domain((0, -SIDE, -SIDE), (SIDE, SIDE, SIDE), (True, False, False))
     simulation = Simulation(particles, [GLASS], domain=domain, gravity=(0, 0, 0))
     closed = simulation.contacts()
-    assert closed.overlap == pytest.approx([0.01 * RADIUS])
-    assert closed.normal == pytest.approx(np.array([[1.0, 0.0, 0.0]]))
+    assert closed.overlap == approx([0.01 * RADIUS])
+    assert closed.normal == approx(np.array([[1.0, 0.0, 0.0]]))
     simulation.run(5)
     assert simulation.velocity[0, 0] > 0.0 > simulation.velocity[1, 0]
 
@@ -196,10 +197,10 @@ def test_the_list_has_every_pair_once(domain, count, number):
     assert sorted(zip(*pairs.tolist(), strict=True)) == [
         (i, j) for i, j in np.argwhere(near).tolist() if i < j
     ]
-    assert gap == pytest.approx(
+    assert gap == approx(
         distance[tuple(pairs)] - radius[pairs[0]] - radius[pairs[1]], abs=1e-15
     )
-    assert np.linalg.norm(normal, axis=1) == pytest.approx(1.0)
+    assert np.linalg.norm(normal, axis=1) == approx(1.0)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -219,10 +220,10 @@ def test_round_walls(axis):
         Particles([start], RADIUS), [material], walls, gravity=gravity, time_step=1e-5
     )
     simulation.run(100_000)
-    assert simulation.position[0, down] == pytest.approx(-7e-3, rel=2e-2)
+    assert simulation.position[0, down] == approx(-7e-3, rel=2e-2)
     assert np.hypot(
         simulation.position[0, down], simulation.position[0, side]
-    ) == pytest.approx(7e-3, rel=1e-3)
+    ) == approx(7e-3, rel=1e-3)
     assert simulation.kinetic_energy < 1e-12
 
 
@@ -250,8 +251,8 @@ def test_two_materials_in_contact_with_a_wall_of_a_third():
         * np.sqrt(RADIUS)
         * (RADIUS - simulation.position[0, 2]) ** 1.5
     )
-    assert force == pytest.approx(weight[1], rel=1e-3)
-    assert floor == pytest.approx(weight.sum(), rel=1e-3)
+    assert force == approx(weight[1], rel=1e-3)
+    assert floor == approx(weight.sum(), rel=1e-3)
 
 
 def test_force_on_particles():
@@ -343,8 +344,8 @@ def test_history_keeps_first_touch_and_impact_speed():
     simulation = Simulation(particles, [GLASS], gravity=(0, 0, 0), time_step=1e-6)
     simulation.run(1050)
     closed = simulation.contacts()
-    assert closed.since == pytest.approx([0.1 * RADIUS / 0.1], abs=2e-6)
-    assert closed.impact_speed == pytest.approx([0.1])
+    assert closed.since == approx([0.1 * RADIUS / 0.1], abs=2e-6)
+    assert closed.impact_speed == approx([0.1])
 
 
 def test_blow_up_names_the_particle_and_keeps_the_state():

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.dem import heat, network
 from contbed.dem.heat_pair import IMPACT, STATIC, correction
@@ -52,22 +53,22 @@ def test_the_shared_packing(packing, exponent, wanted):
         result, _ = solved(
             packing, k_particle=0.026 * ratio, k_fluid=0.026, eps=0.391, factor=c
         )
-        assert result.conductivity / 0.026 == pytest.approx(value, rel=2e-3)
+        assert result.conductivity / 0.026 == approx(value, rel=2e-3)
         assert abs(result.imbalance) < 1e-12
-        assert sum(result.shares.values()) == pytest.approx(1.0, abs=1e-12)
+        assert sum(result.shares.values()) == approx(1.0, abs=1e-12)
         assert result.between < result.conductivity
 
 
 def test_the_defect_at_equal_conductivities_and_the_way_without_it(packing):
     x, _, hot, cold = packing
     cones, _ = solved(packing, k_particle=0.026, k_fluid=0.026, eps=0.391, factor=0.0)
-    assert cones.conductivity / 0.026 == pytest.approx(1.36, abs=0.01)
+    assert cones.conductivity / 0.026 == approx(1.36, abs=0.01)
     pairs = heat.voronoi_pairs(x, (np.zeros(3), [0.026, 0.026, x[:, 2].max() + R]))
     parts = heat.conductances(pairs, R, heat.Conduction(0.026, 0.026, paths="columns"))
     columns = network.between_layers(x, pairs, parts, hot, cold, 0.026**2)
     # particles of a layer share one temperature at different heights, which bends the
     # profile by 5e-5
-    assert columns.conductivity / 0.026 == pytest.approx(1.0, abs=2e-4)
+    assert columns.conductivity / 0.026 == approx(1.0, abs=2e-4)
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -78,7 +79,7 @@ def test_columns_make_a_homogeneous_cell_exact(seed):
     pairs = heat.voronoi_pairs(x, box, CLOSED)
     parts = heat.conductances(pairs, 0.12, heat.Conduction(0.3, 0.3, paths="columns"))
     cell = network.periodic_cell(len(x), pairs, parts, 1.0)
-    assert cell.conductivity == pytest.approx(0.3 * np.eye(3), abs=1e-13)
+    assert cell.conductivity == approx(0.3 * np.eye(3), abs=1e-13)
 
 
 def test_the_tensor_of_a_cell_turns_with_its_axes():
@@ -89,10 +90,8 @@ def test_the_tensor_of_a_cell_turns_with_its_axes():
         pairs = heat.near_pairs(points, 0.45, box, CLOSED)
         parts = heat.conductances(pairs, 0.15, heat.Conduction(20.0, 1.0))
         tensors.append(network.periodic_cell(len(x), pairs, parts, 1.0).conductivity)
-    assert tensors[0] == pytest.approx(tensors[0].T, abs=1e-14 * tensors[0].max())
-    assert tensors[1] == pytest.approx(
-        tensors[0][np.ix_([2, 0, 1], [2, 0, 1])], rel=1e-12
-    )
+    assert tensors[0] == approx(tensors[0].T, abs=1e-14 * tensors[0].max())
+    assert tensors[1] == approx(tensors[0][np.ix_([2, 0, 1], [2, 0, 1])], rel=1e-12)
     assert np.linalg.eigvalsh(tensors[0]).min() > 0
 
 
@@ -104,10 +103,8 @@ def test_a_doubled_cell_conducts_alike_and_its_parts_sum_up():
         pairs = heat.near_pairs(points, 0.6, (np.zeros(3), [width, 1.0, 1.0]), CLOSED)
         parts = heat.conductances(pairs, 0.2, heat.Conduction(20.0, 1.0))
         found.append(network.periodic_cell(len(points), pairs, parts, width))
-    assert found[1].conductivity == pytest.approx(found[0].conductivity, rel=1e-12)
-    assert sum(found[0].parts.values()) == pytest.approx(
-        found[0].conductivity, rel=1e-14
-    )
+    assert found[1].conductivity == approx(found[0].conductivity, rel=1e-12)
+    assert sum(found[0].parts.values()) == approx(found[0].conductivity, rel=1e-14)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -128,14 +125,12 @@ def test_a_chain_on_each_axis(axis):
         T_layers=(310.0, 300.0),
         axis=axis,
     )
-    assert result.heat == pytest.approx(20.0, rel=1e-14)
-    assert result.T[:4] == pytest.approx(
-        [310, 310 - 10 / 3, 300 + 10 / 3, 300], rel=1e-15
-    )
+    assert result.heat == approx(20.0, rel=1e-14)
+    assert result.T[:4] == approx([310, 310 - 10 / 3, 300 + 10 / 3, 300], rel=1e-15)
     assert np.isnan(result.T[4]) and result.isolated == 1
-    assert result.conductivity == pytest.approx(20.0 / 2.0 * 3 / 10, rel=1e-13)
-    assert result.between == pytest.approx(20.0 / 2.0 * 3 / 10, rel=1e-13)
-    assert result.shares == pytest.approx({"a": 7 / 9, "b": 2 / 9}, rel=1e-13)
+    assert result.conductivity == approx(20.0 / 2.0 * 3 / 10, rel=1e-13)
+    assert result.between == approx(20.0 / 2.0 * 3 / 10, rel=1e-13)
+    assert result.shares == approx({"a": 7 / 9, "b": 2 / 9}, rel=1e-13)
 
 
 def test_reciprocity(packing):
@@ -144,8 +139,8 @@ def test_reciprocity(packing):
     parts = heat.conductances(pairs, R, heat.Conduction(2.6, 0.026, 0.391))
     there = network.between_layers(x, pairs, parts, hot, cold, 1.0)
     back = network.between_layers(x, pairs, parts, cold, hot, 1.0)
-    assert back.heat == pytest.approx(there.heat, rel=1e-12)
-    assert pytest.approx(np.full(len(x), 696.3), abs=1e-10) == back.T + there.T
+    assert back.heat == approx(there.heat, rel=1e-12)
+    assert approx(np.full(len(x), 696.3), abs=1e-10) == back.T + there.T
 
 
 def test_layers_that_cannot_work():
@@ -176,7 +171,7 @@ def test_a_periodic_chain_is_a_series(axis):
     cell = network.periodic_cell(2, pairs, {"a": np.array([3.0, 6.0])}, 1.0)
     wanted = np.zeros((3, 3))
     wanted[axis, axis] = 2.0
-    assert cell.conductivity == pytest.approx(wanted, abs=1e-15)
+    assert cell.conductivity == approx(wanted, abs=1e-15)
 
 
 @pytest.mark.parametrize("fluid", [0.026, None], ids=["in air", "in a vacuum"])
@@ -186,7 +181,7 @@ def test_multigrid_finds_what_factors_find(packing, fluid, monkeypatch):
     wanted, _ = solved(packing, **how)
     monkeypatch.setattr(network, "DIRECT", 100)
     found, _ = solved(packing, **how)
-    assert found.conductivity == pytest.approx(wanted.conductivity, rel=1e-11)
+    assert found.conductivity == approx(wanted.conductivity, rel=1e-11)
     apart = np.abs(found.T - wanted.T)
     assert (
         abs(found.imbalance) < 1e-11 and (np.isnan(apart) == np.isnan(wanted.T)).all()
@@ -206,7 +201,5 @@ def test_multigrid_finds_the_tensor_of_a_cell(monkeypatch):
     wanted = network.periodic_cell(len(x), pairs, parts, 1.0)
     monkeypatch.setattr(network, "DIRECT", 100)
     found = network.periodic_cell(len(x), pairs, parts, 1.0)
-    assert found.conductivity == pytest.approx(
-        wanted.conductivity, rel=1e-11, abs=1e-11
-    )
+    assert found.conductivity == approx(wanted.conductivity, rel=1e-11, abs=1e-11)
     assert (found.conductivity != wanted.conductivity).any()

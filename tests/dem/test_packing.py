@@ -8,6 +8,7 @@ the porosity to 0.36-0.45. The small beds here scatter by 0.01 and 0.15.
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.dem import heat, network
 from contbed.dem.heat_pair import IMPACT, STATIC, correction
@@ -37,7 +38,7 @@ def test_statistics_of_a_periodic_bed(bed):
     assert 4.9 < found["coordination_core"] < 5.4
     assert 2e-4 < found["overlap_mean"] < found["overlap_max"] < 2e-2
     assert found["kinetic_energy"] < 1e-6
-    assert 2 * len(bed.contacts) / len(bed) == pytest.approx(found["coordination"])
+    assert 2 * len(bed.contacts) / len(bed) == approx(found["coordination"])
 
 
 def test_forces_carry_the_weight(bed):
@@ -61,9 +62,7 @@ def test_forces_carry_the_weight(bed):
     gain = (
         float(simulation.mass @ simulation.velocity[:, 2]) - before
     ) / simulation.time
-    assert np.mean(floor) == pytest.approx(
-        simulation.mass.sum() * 9.81 + gain, rel=2e-3
-    )
+    assert np.mean(floor) == approx(simulation.mass.sum() * 9.81 + gain, rel=2e-3)
     assert (bed.position[:, 2] > 0.98 * bed.radius).all()
     assert (
         (bed.position[:, :2] >= -1e-4) & (bed.position[:, :2] <= 6 * D + 1e-4)
@@ -82,7 +81,7 @@ def test_cylinder_and_height():
     found = pack(cylinder=4 * D, height=5 * D, material=SOFT)
     off = np.hypot(found.position[:, 0], found.position[:, 1])
     assert (off < 4 * D - 0.97 * found.radius).all()
-    assert found.statistics["surface"] == pytest.approx(5 * D, abs=D)
+    assert found.statistics["surface"] == approx(5 * D, abs=D)
     assert 0.40 < found.statistics["porosity_box"] < 0.50
 
 
@@ -99,7 +98,7 @@ def test_solid_share_of_one_sphere():
     share = solid_share(
         np.full((1, 3), 0.5), np.array([0.5]), low, high, 0.01, open_sides, -1.0
     )
-    assert share == pytest.approx(np.pi / 6, rel=1e-3)
+    assert share == approx(np.pi / 6, rel=1e-3)
     corner = solid_share(
         np.zeros((1, 3)),
         np.array([0.5]),
@@ -109,7 +108,7 @@ def test_solid_share_of_one_sphere():
         np.array([1.0, 1.0, np.inf]),
         -1.0,
     )
-    assert corner == pytest.approx(np.pi / 12, rel=1e-3)
+    assert corner == approx(np.pi / 12, rel=1e-3)
 
 
 @each_case(__file__, "bad_packings")
@@ -167,8 +166,8 @@ def test_2500_spheres(seed):
     found = bed.statistics
     assert 0.385 < found["porosity_core"] < 0.405
     assert 0.415 < found["porosity_box"] < 0.44
-    assert found["coordination"] == pytest.approx(4.6, abs=0.1)
-    assert found["coordination_core"] == pytest.approx(5.08, abs=0.15)
+    assert found["coordination"] == approx(4.6, abs=0.1)
+    assert found["coordination_core"] == approx(5.08, abs=0.15)
     x = bed.position
     pairs = heat.near_pairs(x, 1.5 * D)
     for exponent, wanted in (
@@ -186,7 +185,7 @@ def test_2500_spheres(seed):
             layers = network.between_layers(
                 x, pairs, parts, x[:, 2] < D, x[:, 2] > 24.7e-3, (13 * D) ** 2
             )
-            assert layers.conductivity / 0.026 == pytest.approx(value, rel=0.03)
+            assert layers.conductivity / 0.026 == approx(value, rel=0.03)
 
 
 @pytest.mark.slow

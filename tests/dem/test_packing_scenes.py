@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.cli import main
@@ -86,9 +87,9 @@ def test_a_packing_settles_and_conducts(bed, tmp_path):
         pairs, R, heat.Conduction(1.4, 0.026, result.qoi["porosity"])
     )
     wanted = network.between_layers(bed.position, pairs, parts, hot, cold, 36 * R**2)
-    assert result.qoi["k_eff [W/m/K]"] == pytest.approx(wanted.conductivity, rel=1e-12)
-    assert result.qoi["coordination"] == pytest.approx(bed.statistics["coordination"])
-    assert result.qoi["height [m]"] == pytest.approx(surface, rel=1e-12)
+    assert result.qoi["k_eff [W/m/K]"] == approx(wanted.conductivity, rel=1e-12)
+    assert result.qoi["coordination"] == approx(bed.statistics["coordination"])
+    assert result.qoi["height [m]"] == approx(surface, rel=1e-12)
     assert 0.35 < result.qoi["porosity"] < 0.5  # walls loosen a bed three spheres wide
     from_file = f'file = "{tmp_path / "packing.vtu"}"\n'
     kept = changed(
@@ -99,7 +100,7 @@ def test_a_packing_settles_and_conducts(bed, tmp_path):
         f"{36 * R**2}\n"
     )
     found = cb.run(loads(kept + ends)).qoi
-    assert found == pytest.approx({name: result.qoi[name] for name in found}, rel=1e-12)
+    assert found == approx({name: result.qoi[name] for name in found}, rel=1e-12)
 
 
 def test_plan_settles_nothing():
@@ -115,8 +116,8 @@ def test_radii_spread_about_their_mean():
     found = random_radii(R, 0.2, 40_000, seed=3)
     # 0.7737 is the variance of a normal distribution cut at two deviations; mean and
     # variance of 40000 scatter by 0.001
-    assert found.mean() == pytest.approx(R, rel=5e-3)
-    assert found.std() == pytest.approx(0.2 * np.sqrt(0.7737) * R, rel=2e-2)
+    assert found.mean() == approx(R, rel=5e-3)
+    assert found.std() == approx(0.2 * np.sqrt(0.7737) * R, rel=2e-2)
     assert found.min() > 0.6 * R and found.max() < 1.4 * R
     assert random_radii(R, 0.2, 40_000, seed=3).tobytes() == found.tobytes()
 
@@ -208,10 +209,8 @@ def test_the_deck():
         / np.hypot(np.pi, np.log(0.8))
         * np.sqrt(4 / 3 * ours["youngs_modulus"])
     )
-    assert ours["damping_normal"] == pytest.approx(damping, rel=1e-14)
-    assert ours["damping_tangential"] == pytest.approx(
-        float(law[10]) * damping, rel=1e-14
-    )
+    assert ours["damping_normal"] == approx(damping, rel=1e-14)
+    assert ours["damping_tangential"] == approx(float(law[10]) * damping, rel=1e-14)
     data = lammps_deck.data_text(bed, material, domain).splitlines()
     assert "2 atoms" in data and "0 0.02 xlo xhi" in data
     assert (
@@ -310,10 +309,10 @@ def test_what_lammps_settles_is_read_back(bed, program, tmp_path):
         engine="lammps",
     )
     assert found.position.tobytes() == bed.position.tobytes()
-    assert found.statistics == pytest.approx(
+    assert found.statistics == approx(
         bed.statistics | {"kinetic_energy": 1e-9}, rel=1e-14, nan_ok=True
     )
-    assert result.qoi["coordination"] == pytest.approx(bed.statistics["coordination"])
+    assert result.qoi["coordination"] == approx(bed.statistics["coordination"])
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.closures.file import closure_of
@@ -79,13 +80,11 @@ def test_lattices(name, wanted, cells):
         STUDIES / f"lattices/{name}.toml", {"particles.lattice.cells": cells}
     )
     result = cb.run(scene)
-    assert result.qoi["k_eff_over_contact_scale"] == pytest.approx(wanted, rel=1e-12)
-    assert result.qoi["k_xx [W/m/K]"] == pytest.approx(
-        result.qoi["k_zz [W/m/K]"], rel=1e-12
-    )
+    assert result.qoi["k_eff_over_contact_scale"] == approx(wanted, rel=1e-12)
+    assert result.qoi["k_xx [W/m/K]"] == approx(result.qoi["k_zz [W/m/K]"], rel=1e-12)
     assert abs(result.qoi["k_xy [W/m/K]"]) < 1e-12
     assert result.qoi["coordination"] == {"sc": 6, "bcc": 8, "fcc": 12}[name]
-    assert result.qoi["porosity"] == pytest.approx(
+    assert result.qoi["porosity"] == approx(
         {"sc": 0.4764, "bcc": 0.3198, "fcc": 0.2595}[name], abs=1e-4
     )
 
@@ -95,16 +94,16 @@ def test_a_lattice_of_fluid_conducts_as_fluid():
         STUDIES / "lattices/fcc.toml",
         {"gas.conductivity": 26.0, "particles.paths": "columns"},
     )
-    assert cb.run(scene).qoi["k_eff_over_k_fluid"] == pytest.approx(1.0, rel=1e-13)
+    assert cb.run(scene).qoi["k_eff_over_k_fluid"] == approx(1.0, rel=1e-13)
 
 
 def test_a_bed_of_positions(folder):
     result = cb.run(loads(BED, base=folder))
     # cut planes, not whole cells
-    assert result.qoi["porosity"] == pytest.approx(1 - np.pi / 6, abs=0.05)
+    assert result.qoi["porosity"] == approx(1 - np.pi / 6, abs=0.05)
     assert list(result.profiles) == ["z [m]", "T_solid [K]"]
     # layers of a cubic bed are planes of one temperature each, in equal steps
-    assert result.profiles["T_solid [K]"] == pytest.approx(
+    assert result.profiles["T_solid [K]"] == approx(
         np.linspace(398.15, 298.15, 6), rel=1e-12
     )
     assert_closed(result, 1e-12, "energy")
@@ -117,10 +116,10 @@ def test_layers_of_a_periodic_dump_are_its_cell(folder):
     cell = layers.replace(LAYERS, "")
     eps = {"particles.porosity": 0.4764}
     found = cb.run(loads(layers, overrides=eps, base=folder)).qoi["k_eff [W/m/K]"]
-    assert found == pytest.approx(
+    assert found == approx(
         cb.run(loads(cell, overrides=eps, base=folder)).qoi["k_zz [W/m/K]"], rel=1e-12
     )
-    assert cb.run(loads(cell, base=folder)).qoi["porosity"] == pytest.approx(
+    assert cb.run(loads(cell, base=folder)).qoi["porosity"] == approx(
         1 - np.pi / 6, rel=1e-12
     )
 
@@ -170,10 +169,10 @@ def test_spreading_columns_keep_the_bounds():
 def test_a_run_writes_its_closure(tmp_path):
     scene = cb.load(STUDIES / "zhou_2010_etc/glass.toml", {"output.plots": False})
     result = cb.run(scene, out=tmp_path)
-    assert result.qoi["k_eff_over_k_fluid"] == pytest.approx(7.042, rel=2e-3)
+    assert result.qoi["k_eff_over_k_fluid"] == approx(7.042, rel=2e-3)
     closure = closure_of("closure.toml", tmp_path, "conductivity")
     found = closure(k_fluid=0.026, k_solid=2.6, eps=0.391) / 0.026
-    assert found == pytest.approx(
+    assert found == approx(
         result.qoi["k_eff_over_k_fluid"], rel=2 * result.qoi["closure_residual"]
     )
     assert result.qoi["closure_residual"] < 2e-3
@@ -182,9 +181,7 @@ def test_a_run_writes_its_closure(tmp_path):
         "scene_hash"
     ] == scene_hash(scene)
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert summary["status"] == "ok" and summary["qoi"][
-        "coordination"
-    ] == pytest.approx(4.556)
+    assert summary["status"] == "ok" and summary["qoi"]["coordination"] == approx(4.556)
     assert {
         "versions",
         "scene",

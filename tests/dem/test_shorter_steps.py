@@ -2,8 +2,9 @@
 long, where that is allowed.
 """
 
-import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
+from pytest import approx
 
 from contbed.dem import simulation
 from contbed.dem.particles import Material, Particles
@@ -41,7 +42,7 @@ def test_the_step_is_halved_as_often_as_the_speed_asks_for(speed, needed):
         100 * 2**needed,
     )
     # free flight: a sum of 400 equal parts
-    assert found.position[0, 2] == pytest.approx(speed * LIMIT * 100 * STEP, rel=1e-13)
+    assert found.position[0, 2] == approx(speed * LIMIT * 100 * STEP, rel=1e-13)
 
 
 def test_what_follows_is_what_the_shorter_step_gives():
@@ -51,7 +52,7 @@ def test_what_follows_is_what_the_shorter_step_gives():
     short.run(120)
     assert len(short.contacts()) == 1
     for name, values in short.state().items():
-        np.testing.assert_array_equal(found.state()[name], values, err_msg=name)
+        assert_array_equal(found.state()[name], values, err_msg=name)
 
 
 def test_contacts_keep_their_times():
@@ -65,10 +66,10 @@ def test_contacts_keep_their_times():
     found.force[0, 2] = 0.01 * LIMIT * found.mass[0] / STEP
     found.run(40, interval=5)
     assert found.halvings == 1
-    assert found.contacts().since == pytest.approx([since], rel=1e-15)
-    assert found.time == pytest.approx(70 * STEP, rel=1e-15)
+    assert found.contacts().since == approx([since], rel=1e-15)
+    assert found.time == approx(70 * STEP, rel=1e-15)
     # the first half kick is that of the force before
-    assert found.velocity[0, 2] == pytest.approx((0.9 + 0.01 * 39.5) * LIMIT, rel=1e-12)
+    assert found.velocity[0, 2] == approx((0.9 + 0.01 * 39.5) * LIMIT, rel=1e-12)
 
 
 def test_a_restart_goes_on_with_the_shorter_step():
@@ -79,7 +80,7 @@ def test_a_restart_goes_on_with_the_shorter_step():
     whole.run(60)
     again.run(60)
     for name, values in whole.state().items():
-        np.testing.assert_array_equal(again.state()[name], values, err_msg=name)
+        assert_array_equal(again.state()[name], values, err_msg=name)
     refused(
         "the checkpoint has time step 1e-06 s, expected 2e-06 s",
         lambda: spheres(0.0, 0).restore(whole.state()),
@@ -94,7 +95,7 @@ def test_a_sphere_that_stays_too_fast_ends_the_run():
     ):
         found.run(10)
     assert found.halvings == 2 and found.time == 0.0
-    np.testing.assert_array_equal(found.position, spheres(0.0, 0).position)
+    assert_array_equal(found.position, spheres(0.0, 0).position)
 
 
 def test_without_halvings_it_ends_at_once():

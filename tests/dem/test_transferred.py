@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.closures import usage
@@ -109,12 +110,10 @@ def test_a_form_recovers_itself(etc, htc):
     closure = etc.closure()
     found = closure(k_fluid=0.03, k_solid=0.03 * ratio, eps=eps)
     # 9 decades of powers in least squares
-    assert found == pytest.approx(0.03 * k_over_fluid(ratio, eps), rel=1e-11)
+    assert found == approx(0.03 * k_over_fluid(ratio, eps), rel=1e-11)
     parts = htc.content["parameters"]
-    assert (parts["a"]["value"], parts["b"]["value"]) == pytest.approx(
-        (1.2, 0.5), rel=1e-9
-    )
-    assert htc.closure()(Re=100.0, Pr=0.71) == pytest.approx(
+    assert (parts["a"]["value"], parts["b"]["value"]) == approx((1.2, 0.5), rel=1e-9)
+    assert htc.closure()(Re=100.0, Pr=0.71) == approx(
         2 + 1.2 * 10 * 0.71 ** (1 / 3), rel=1e-9
     )
 
@@ -148,7 +147,7 @@ def test_samples_scatter_as_the_parameters_do():
         closure.content["terms"][1]["value"] for closure in fit.samples(2000, seed=3)
     ]
     # the standard deviation of 2000 draws is known to 1.6 %
-    assert np.std(slopes) == pytest.approx(fit.covariance[1, 1] ** 0.5, rel=0.08)
+    assert np.std(slopes) == approx(fit.covariance[1, 1] ** 0.5, rel=0.08)
 
 
 def test_data_that_determine_nothing():
@@ -208,7 +207,7 @@ def test_dual_numbers_give_the_slope(folder, name):
             closure(**{**arguments, key: value + sign * step}) for sign in (1, -1)
         )
         assert dual.value == closure(**arguments)
-        assert dual.tangents[0] == pytest.approx((high - low) / (2 * step), rel=1e-8)
+        assert dual.tangents[0] == approx((high - low) / (2 * step), rel=1e-8)
 
 
 def test_a_scene_uses_them(folder):
@@ -241,9 +240,7 @@ def test_the_value_in_a_scene_is_the_value_of_the_file(folder):
     given = cb.run(scene(folder, numbers))
     for name in ("T_fluid [K]", "T_solid [K]"):
         column = next(key for key in closed.profiles if key.startswith(name.split()[0]))
-        assert closed.profiles[column] == pytest.approx(
-            given.profiles[column], rel=1e-13
-        )
+        assert closed.profiles[column] == approx(given.profiles[column], rel=1e-13)
 
 
 def test_use_outside_of_the_range(folder):
@@ -426,7 +423,7 @@ def test_the_study_of_transfer():
         rows = {
             row["conductivity"]: float(row["T_out [K]"]) for row in csv.DictReader(file)
         }
-    assert result.qoi["T_fluid_out_K"] == pytest.approx(
+    assert result.qoi["T_fluid_out_K"] == approx(
         rows["packings, cones (Eq. 5)"], abs=2e-3
     )
     used = next(
@@ -453,7 +450,7 @@ def test_a_sweep_over_packings_is_what_the_network_says():
         for paths in ("cones", "columns")
     }
     # a cubic bed of its own fluid, to round-off
-    assert k["columns"][0] == pytest.approx(1.0, rel=1e-12)
+    assert k["columns"][0] == approx(1.0, rel=1e-12)
     assert k["cones"][0] > 1.1
     open_sides = extract.conductivity_sweep(
         [sides._replace(box=None)], (20.0,), 0.5, 1.0

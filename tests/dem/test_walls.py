@@ -8,6 +8,7 @@ wall turns under the sphere by (tangential speed x duration/radius) during the c
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
@@ -58,8 +59,8 @@ def test_reflection_of_a_sphere_that_flies_along_a_radius(
         velocity,
         0.03,
     )
-    assert simulation.velocity[0] == pytest.approx(-velocity, abs=1e-4 * SPEED)
-    assert np.linalg.norm(simulation.velocity) == pytest.approx(SPEED, rel=1e-5)
+    assert simulation.velocity[0] == approx(-velocity, abs=1e-4 * SPEED)
+    assert np.linalg.norm(simulation.velocity) == approx(SPEED, rel=1e-5)
     assert np.abs(simulation.spin).max() < 1e-12 * SPEED / RADIUS
 
 
@@ -75,8 +76,8 @@ def test_reflection_from_a_tube_is_a_mirrors(axis):
         axis, round_wall(Tube, axis, INNER), turned(axis, 6e-3, offset), velocity, 0.05
     )
     mirrored = velocity - 2.0 * (velocity @ normal) * normal
-    assert simulation.velocity[0] == pytest.approx(mirrored, abs=1e-2 * SPEED)
-    assert np.linalg.norm(simulation.velocity) == pytest.approx(
+    assert simulation.velocity[0] == approx(mirrored, abs=1e-2 * SPEED)
+    assert np.linalg.norm(simulation.velocity) == approx(
         np.linalg.norm(velocity), rel=1e-5
     )
 

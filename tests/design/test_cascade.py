@@ -9,6 +9,8 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 
 from contbed.cli import main
 from contbed.closures.binding import bind
@@ -106,7 +108,7 @@ def test_range_is_that_of_the_bed(found):
     }
     for name, value in expected.items():
         # the solids move as well: Re is that of the slip, 3e-3 more
-        assert found.ranges[name] == pytest.approx(
+        assert found.ranges[name] == approx(
             (value, value), rel=5e-3 if name == "Re" else 1e-12
         )
 
@@ -121,7 +123,7 @@ def test_part_of_a_number_is_its_derivative(found):
     slope = gradient(
         with_closures(found), [NAME], ["solids.pebbles.conductivity"]
     ).derivatives[0, 0]
-    assert part.deviation[NAME] == pytest.approx(abs(slope) * 0.05 * 0.84, rel=2e-2)
+    assert part.deviation[NAME] == approx(abs(slope) * 0.05 * 0.84, rel=2e-2)
 
 
 def test_part_of_the_laws_is_their_scatter(found):
@@ -134,9 +136,9 @@ def test_part_of_the_laws_is_their_scatter(found):
     assert parts["law of exchange"] > 20.0 * max(
         parts["law of conduction"], parts["packing"], parts["fit"]
     )
-    assert sum(found.shares(NAME).values()) == pytest.approx(1.0)
+    assert sum(found.shares(NAME).values()) == approx(1.0)
     low, high = found.band(NAME)
-    assert high - low == pytest.approx(2.0 * parts["law of exchange"], rel=0.1)
+    assert high - low == approx(2.0 * parts["law of exchange"], rel=0.1)
 
 
 RESTING = """
@@ -172,28 +174,22 @@ def test_scatter_of_measured_beds_multiplies_the_law(tmp_path):
     )
     parts = {part.name: part.deviation["heat_left_W"] for part in done.parts}
     best = done.base["heat_left_W"]
-    assert parts["scatter of conduction"] == pytest.approx(
-        best * np.sinh(0.2), rel=1e-9
-    )
+    assert parts["scatter of conduction"] == approx(best * np.sinh(0.2), rel=1e-9)
     factors = np.array(done.drawn["laws.scatter_conduction"])
     scale = done.samples["heat_left_W"] / factors  # what is left is packing and fit
-    assert scale.std() == pytest.approx(
-        np.hypot(parts["packing"], parts["fit"]), rel=0.5
-    )
+    assert scale.std() == approx(np.hypot(parts["packing"], parts["fit"]), rel=0.5)
     assert scale.std() < 0.02 * best
     # three standard errors of 100 draws
-    assert np.log(factors).std() == pytest.approx(0.2, rel=0.22)
+    assert np.log(factors).std() == approx(0.2, rel=0.22)
     low, high = done.band("heat_left_W")
-    assert np.log(high / low) == pytest.approx(
-        2 * NormalDist().inv_cdf(0.95) * 0.2, rel=0.3
-    )
+    assert np.log(high / low) == approx(2 * NormalDist().inv_cdf(0.95) * 0.2, rel=0.3)
 
 
 def test_scatter_multiplies_both_forms_of_closures():
     Re = np.geomspace(1.0, 100.0, 5)
     power = extract.fit_power(Re, np.full(5, 0.7), 2.0 + 1.1 * Re**0.6)
     at = {"Re": 30.0, "Pr": 0.7, "eps": 0.4}
-    assert power.times(1.7).closure()(**at) == pytest.approx(
+    assert power.times(1.7).closure()(**at) == approx(
         1.7 * power.closure()(**at), rel=1e-14
     )
     columns = {extract.RATIO: Re, "eps": np.full(5, 0.4)}
@@ -201,7 +197,7 @@ def test_scatter_multiplies_both_forms_of_closures():
         "conductivity", columns, Re**0.7, {extract.RATIO: "log"}, (2,)
     )
     there = {"k_fluid": 0.03, "k_solid": 0.9, "eps": 0.4}
-    assert fit.times(1.7).closure()(**there) == pytest.approx(
+    assert fit.times(1.7).closure()(**there) == approx(
         1.7 * fit.closure()(**there), rel=1e-14
     )
 
@@ -211,7 +207,7 @@ def test_second_command_computes_nothing(found, monkeypatch):
     monkeypatch.setattr(particles, "bed_nusselt", None)
     again = cascade(found.cascade.path, found.folder)
     assert again.before == again.runs == found.runs
-    np.testing.assert_array_equal(again.samples[NAME], found.samples[NAME])
+    assert_array_equal(again.samples[NAME], found.samples[NAME])
 
 
 @pytest.mark.slow
@@ -241,7 +237,7 @@ def test_interrupted_cascade_goes_on(found, tmp_path, monkeypatch):
     done = cascade(path, tmp_path / "out")
     # scenes name their closure files by absolute path, so the folder must not matter to
     # the numbers
-    np.testing.assert_array_equal(done.samples[NAME], found.samples[NAME])
+    assert_array_equal(done.samples[NAME], found.samples[NAME])
     assert done.base == found.base
 
 
@@ -269,7 +265,7 @@ def test_files(found, capsys):
     )
     with open(found.folder / "table.csv", newline="") as file:
         shares = {row["part"]: row[f"share in {NAME}"] for row in csv.DictReader(file)}
-    assert {part: float(share) for part, share in shares.items()} == pytest.approx(
+    assert {part: float(share) for part, share in shares.items()} == approx(
         found.shares(NAME)
     )
     parallel, matrix = (chart["data"][0] for chart in charts_of(report))
@@ -324,9 +320,9 @@ def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
     assert len(kept) == 2
     for path in kept:
         radius = np.load(path)["radius"]
-        assert (radius**3).sum() / (radius**2).sum() == pytest.approx(5e-3, rel=1e-12)
+        assert (radius**3).sum() / (radius**2).sum() == approx(5e-3, rel=1e-12)
         # 300 draws: 4 %
-        assert radius.std() / radius.mean() == pytest.approx(0.2 * 0.7737**0.5, rel=0.1)
+        assert radius.std() / radius.mean() == approx(0.2 * 0.7737**0.5, rel=0.1)
     assert (tmp_path / "out/nusselt.toml").exists() and done.band(NAME)[1] > done.band(
         NAME
     )[0]
@@ -448,7 +444,7 @@ def test_bubbling_bed_takes_packings_as_its_emulsion(tmp_path):
         6.0 * (1.0 - eps) * surfaces[0] * Nu * air.conductivity(T) / 2e-3
     )
     # profiles are interpolated
-    assert char - gas_there == pytest.approx(excess, rel=1e-4)
+    assert char - gas_there == approx(excess, rel=1e-4)
     part = next(part for part in done.parts if part.name == "packing")
     assert part.deviation["T_char_mid_K"] > 0.0
 
@@ -505,9 +501,9 @@ def test_share_of_measured_points_in_the_band(tmp_path):
     found = measured.held(
         case, dict.fromkeys(names, 350.0), deviations, dict.fromkeys(names, normal), 0.9
     )
-    np.testing.assert_allclose(found.high - 350.0, ends[0], rtol=1e-3)
+    assert_allclose(found.high - 350.0, ends[0], rtol=1e-3)
     # 21 nodes of the scatter
-    np.testing.assert_allclose(found.high_measured - 350.0, ends[1], rtol=3e-3)
+    assert_allclose(found.high_measured - 350.0, ends[1], rtol=3e-3)
     assert found.inside == 3 / 6 and found.inside_measured == 5 / 6
     assert found.shares == {"packing": 0.9, "fit": 0.1}
 
@@ -545,7 +541,7 @@ def test_a_cascade_beside_measured_points(tmp_path, capsys):
     about = json.loads((tmp_path / "out/summary.json").read_text())["measured"]
     assert about["share in the band"] == 0.75 and sum(
         about["shares of the parts"].values()
-    ) == pytest.approx(1.0)
+    ) == approx(1.0)
     assert about["shares of the parts"]["law of conduction"] > 0.5
     table = list(csv.DictReader((tmp_path / "out/table.csv").open()))
     assert [float(row["share at the measured points"]) for row in table] == list(

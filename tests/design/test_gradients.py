@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from design_scenes import SLIP
+from pytest import approx
 
 import contbed as cb
 from contbed.loading import loads
@@ -102,7 +103,7 @@ def test_differences_of_runs_extrapolate():
         scene, one, lambda s: np.array([s.packed_bed.porosity**5]), np.array([0.6**5])
     )
     # the error is of fourth order in a step of 1e-3
-    assert found.values == pytest.approx(5 * 0.6**4, rel=1e-10)
+    assert found.values == approx(5 * 0.6**4, rel=1e-10)
     at = loads(SLIP.replace("forchheimer = 0.1", "forchheimer = 0.0"))
     found = differences.slope(
         at,
@@ -111,7 +112,7 @@ def test_differences_of_runs_extrapolate():
         np.array([1.0]),
         1e-4,
     )
-    assert found.values == pytest.approx(1.0, rel=1e-6)  # one-sided: second order
+    assert found.values == approx(1.0, rel=1e-6)  # one-sided: second order
 
 
 def test_scatter_of_common_seeds_cancels():
@@ -144,8 +145,8 @@ def test_a_seed_that_changes_nothing_leaves_the_error_of_the_step():
         scene, one, lambda s: np.array([s.gas.density**3]), np.array([1.2**3])
     )
     # a cubic has an error in the square of the step alone
-    assert found.values == pytest.approx([3 * 1.2**2], rel=1e-9)
-    assert found.errors == pytest.approx([0.0], abs=1e-9)
+    assert found.values == approx([3 * 1.2**2], rel=1e-9)
+    assert found.errors == approx([0.0], abs=1e-9)
 
 
 def test_pressure_drop_by_its_closed_form():
@@ -156,8 +157,8 @@ def test_pressure_drop_by_its_closed_form():
     )
     # plug flow relative to the bed: mu/K (u - phi u_s) L + quadratic drag
     drop = result.qoi["pressure_drop_Pa"]
-    assert found.derivatives[0, 0] == pytest.approx(drop / 0.04, rel=1e-8)
-    assert found.logarithmic[0, 0] == pytest.approx(1.0, rel=1e-8)
+    assert found.derivatives[0, 0] == approx(drop / 0.04, rel=1e-8)
+    assert found.logarithmic[0, 0] == approx(1.0, rel=1e-8)
     assert found.qoi == ("pressure_drop_Pa", *OUT)
     assert found.values[0] == drop
 
@@ -181,7 +182,7 @@ conductivity = 26.0
     ]
     made = gradient(loads(text), ["k_xx [W/m/K]"], keys)
     # four steps of 2.5 to 5 % leave an error of their fourth power
-    assert made.logarithmic[0] == pytest.approx([-1.0, 1.0, 1.0], abs=1e-4)
+    assert made.logarithmic[0] == approx([-1.0, 1.0, 1.0], abs=1e-4)
     assert (made.standard_errors >= 0.0).all()
     assert made.standard_errors[0, 0] * 2e-3 < 1e-4
 

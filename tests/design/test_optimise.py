@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed import cli
@@ -159,23 +160,19 @@ def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
     d = 0.04 - 0.1 * v
     found = summary(folder)
     assert found["status"] == "optimum"
-    assert found["keys"]["boundary.left.gas.velocity"]["value"] == pytest.approx(
-        v, rel=1e-8
-    )
-    assert found["keys"]["solids.particles.diameter"]["value"] == pytest.approx(
-        d, rel=1e-7
-    )
-    assert found["objective"]["value"] == pytest.approx(v, rel=1e-8)
+    assert found["keys"]["boundary.left.gas.velocity"]["value"] == approx(v, rel=1e-8)
+    assert found["keys"]["solids.particles.diameter"]["value"] == approx(d, rel=1e-7)
+    assert found["objective"]["value"] == approx(v, rel=1e-8)
     assert found["objective"]["unit"] == "m/s"
     pressure, fastest = found["constraints"]
     assert pressure["active"] and fastest["active"]
     slope = (fastest_at(100.01) - fastest_at(99.99)) / 0.02
-    assert pressure["price"] == pytest.approx(slope, rel=1e-6)  # of central differences
+    assert pressure["price"] == approx(slope, rel=1e-6)  # of central differences
     assert pressure["price_unit"] == "m/s per Pa"
     assert pressure["bound"] == 100.0
     assert "u_max <= 0.4" in fastest["constraint"]
     scene = cb.load(folder / "out" / "optimum.toml")
-    assert scene.boundary["left"].gas.velocity == pytest.approx(v, rel=1e-8)
+    assert scene.boundary["left"].gas.velocity == approx(v, rel=1e-8)
     assert scene.packed_bed.porosity == 0.4
     with open(folder / "out" / "table.csv", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -183,7 +180,7 @@ def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
     assert rows[0]["boundary.left.gas.velocity [m/s]"] == "0.1"
     # as it is maximised, not its negative
     assert rows[0]["boundary.left.gas.velocity: objective [m/s]"] == "0.1"
-    assert float(rows[0]["pressure_drop [Pa]"]) == pytest.approx(2000.0 * 0.01 / 3.0)
+    assert float(rows[0]["pressure_drop [Pa]"]) == approx(2000.0 * 0.01 / 3.0)
     assert (folder / "out" / "convergence.png").read_bytes()[:4] == b"\x89PNG"
     text, warned = capsys.readouterr()
     assert warned == ""
@@ -240,7 +237,7 @@ def test_a_failed_run_is_stepped_back_from_and_told(folder, runner, capsys):
     )
     found = summary(folder)
     assert found["runs"]["failed"] >= 1 and found["warnings"]
-    assert found["keys"]["boundary.left.gas.velocity"]["value"] == pytest.approx(
+    assert found["keys"]["boundary.left.gas.velocity"]["value"] == approx(
         0.3723, abs=1e-4
     )
     with open(folder / "out" / "table.csv", newline="") as file:
@@ -310,11 +307,9 @@ def test_formulas_with_prices_and_whole_numbers(folder, runner):
     assert optimise() == 0
     found = summary(folder)
     assert found["keys"]["boundary.left.gas.velocity"]["value"] == 1
-    assert found["keys"]["solids.particles.diameter"]["value"] == pytest.approx(
-        2e-3, rel=1e-6
-    )
+    assert found["keys"]["solids.particles.diameter"]["value"] == approx(2e-3, rel=1e-6)
     assert found["objective"]["unit"] == "EUR"
-    assert found["constraints"][0]["bound"] == pytest.approx(1e3)
+    assert found["constraints"][0]["bound"] == approx(1e3)
     assert "all 4 choices of integers were tried" in found["verdict"]
 
 
@@ -380,13 +375,13 @@ UNITS = {
 def test_formulas_have_values_units_and_derivatives(text, value, unit):
     found = read_expression(text, UNITS.__getitem__)
     at = dict.fromkeys(UNITS, 1.5)
-    assert (found(at), found.unit) == (pytest.approx(value, rel=1e-14), unit)
+    assert (found(at), found.unit) == (approx(value, rel=1e-14), unit)
     for name, slope in found.derivatives(at).items():
         h = 1e-6
         difference = (found({**at, name: 1.5 + h}) - found({**at, name: 1.5 - h})) / (
             2.0 * h
         )
-        assert slope == pytest.approx(difference, rel=1e-8, abs=1e-9)
+        assert slope == approx(difference, rel=1e-8, abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 
 from contbed.many.optimise import constrained_search
 from contbed.many.optimise.constrained_search import EvaluationFailed, minimise
@@ -50,8 +52,8 @@ EXAMPLE = (
 
 def test_a_quadratic_program_with_known_solution_and_multipliers():
     found = minimise(Quadratic(*EXAMPLE), np.array([2.0, 0.0]))
-    np.testing.assert_allclose(found.x, [1.4, 1.7], atol=1e-9)
-    np.testing.assert_allclose(found.prices, [0.8, 0.0, 0.0], atol=1e-8)
+    assert_allclose(found.x, [1.4, 1.7], atol=1e-9)
+    assert_allclose(found.prices, [0.8, 0.0, 0.0], atol=1e-8)
     assert found.converged and list(found.active) == [True, False, False]
     assert found.remarks == ()
 
@@ -77,8 +79,8 @@ def test_random_quadratic_programs_with_scales_far_apart(seed):
     )
     # f is flat where it is smallest: a search that ends at 1e-8 of its change has x to
     # the root of that
-    np.testing.assert_allclose((found.x - x) / scale, 0.0, atol=1e-3)
-    np.testing.assert_allclose(
+    assert_allclose((found.x - x) / scale, 0.0, atol=1e-3)
+    assert_allclose(
         found.prices * np.abs(A * scale).max(axis=1), [0.7, 0.3, 0.0], atol=3e-3
     )
     assert found.converged
@@ -94,28 +96,28 @@ def test_prices_are_what_a_change_of_the_constraint_changes():
         ]
         for s in (1, -1)
     )
-    assert (less - more) / (2.0 * d) == pytest.approx(found.prices[0], rel=1e-5)
+    assert (less - more) / (2.0 * d) == approx(found.prices[0], rel=1e-5)
 
 
 def test_equalities_and_bounds_have_prices_of_either_sign():
     problem = ([[2, 0], [0, 2]], [-2, -5], [[1, 1]], [1.0], [0, 0], [10, 10], [True])
     found = minimise(Quadratic(*problem), np.array([2.0, 0.0]))
-    np.testing.assert_allclose(found.x, [0.0, 1.0], atol=1e-9)
+    assert_allclose(found.x, [0.0, 1.0], atol=1e-9)
     # grad f = (-2, -3); + 3 (1, 1) - (1, 0) = 0
-    np.testing.assert_allclose(found.prices, [3.0], atol=1e-8)
-    np.testing.assert_allclose(found.bound_prices, [1.0, 0.0], atol=1e-8)
+    assert_allclose(found.prices, [3.0], atol=1e-8)
+    assert_allclose(found.bound_prices, [1.0, 0.0], atol=1e-8)
     # the equality pulls the other way: a smaller right side is dearer
     other = minimise(Quadratic(*problem[:3], [9.0], *problem[4:]), np.array([2.0, 0.0]))
-    np.testing.assert_allclose(other.prices, [-(2.0 * other.x[0] - 2.0)], atol=1e-6)
+    assert_allclose(other.prices, [-(2.0 * other.x[0] - 2.0)], atol=1e-6)
     assert other.prices[0] < 0.0
 
 
 def test_bounds_alone():
     found = minimise(Quadratic([[0.0]], [1.0], [], [], [0.5], [2.0]), np.array([1.5]))
     assert found.x[0] == 0.5  # exactly: no rounding stays behind
-    assert found.bound_prices[0] == pytest.approx(1.0)
+    assert found.bound_prices[0] == approx(1.0)
     high = minimise(Quadratic([[0.0]], [-3.0], [], [], [0.5], [2.0]), np.array([1.5]))
-    assert (high.x[0], high.bound_prices[0]) == (2.0, pytest.approx(-3.0))
+    assert (high.x[0], high.bound_prices[0]) == (2.0, approx(-3.0))
 
 
 @pytest.mark.parametrize(
@@ -129,7 +131,7 @@ def test_a_smallest_value_inside_of_the_bounds(bound):
     problem = Quadratic([[2, 0], [0, 2]], [-2, -5], row, bound, [0, 0], [10, 10])
     for start in ([2.0, 0.0], [9.0, 9.0], [1.0, 2.5], [1.0 + 1e-9, 2.5]):
         found = minimise(problem, np.array(start))
-        np.testing.assert_allclose(found.x, [1.0, 2.5], atol=1e-3)
+        assert_allclose(found.x, [1.0, 2.5], atol=1e-3)
         assert found.converged, start
 
 
@@ -138,7 +140,7 @@ def test_a_target_is_met_by_the_square_of_what_is_missed():
     problem = Quadratic([[2.0]], [-4.0], [], [], [0.5], [3.0])
     problem.values = lambda x: np.array([(x[0] - 2.0) ** 2])
     found = minimise(problem, np.array([1.0]))
-    assert found.x[0] == pytest.approx(2.0, abs=1e-3) and found.converged
+    assert found.x[0] == approx(2.0, abs=1e-3) and found.converged
 
 
 def test_a_failed_point_is_stepped_back_from():
@@ -147,7 +149,7 @@ def test_a_failed_point_is_stepped_back_from():
     """
     problem = Quadratic(*EXAMPLE, fails=lambda x: x[1] > 1.75)
     found = minimise(problem, np.array([2.0, 0.0]))
-    np.testing.assert_allclose(found.x, [1.4, 1.7], atol=1e-6)
+    assert_allclose(found.x, [1.4, 1.7], atol=1e-6)
     assert found.converged and found.remarks
     assert all(remark.startswith("stepped back") for remark in found.remarks)
 
@@ -168,7 +170,7 @@ def test_constraints_that_cannot_hold_end_where_they_are_missed_least():
     )
     assert not found.feasible and not found.converged
     # 30 asked for, 20 at the corner of the bounds
-    assert found.values[1] == pytest.approx(10.0)
+    assert found.values[1] == approx(10.0)
 
 
 def test_a_start_that_misses_constraints_is_led_back():
@@ -184,8 +186,8 @@ def test_a_start_that_misses_constraints_is_led_back():
         Circle(np.eye(2), [0, 0], [[0, 0]], [0], [-3, -3], [3, 3]),
         np.array([2.5, -2.8]),
     )
-    np.testing.assert_allclose(found.x, [-1.0, -1.0], atol=1e-5)
-    assert found.prices[0] == pytest.approx(0.5, abs=1e-5)
+    assert_allclose(found.x, [-1.0, -1.0], atol=1e-5)
+    assert found.prices[0] == approx(0.5, abs=1e-5)
 
 
 def test_each_point_is_computed_once():
@@ -216,7 +218,7 @@ def whole_quadratic(a, b):
 def test_whole_numbers_by_all_choices_or_by_neighbours(high):
     best = best_choice([(0, high), (0, high)], (0, 0), whole_quadratic(2.4, 1.7))
     assert best.choice == (2, 2)
-    assert best.optimum.x[0] == pytest.approx(1.0, abs=1e-6)
+    assert best.optimum.x[0] == approx(1.0, abs=1e-6)
     assert best.complete == ((high + 1) ** 2 <= ENUMERATED)
     assert best.tried == (high + 1) ** 2 if best.complete else best.tried < 40
 

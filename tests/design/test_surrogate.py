@@ -7,6 +7,7 @@ import types
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.integrate import quad
 from test_optimise import SCENE, optimise, summary
 
@@ -100,7 +101,7 @@ def test_expected_improvement_is_its_integral():
     exact = quad(density, mean - 10 * deviation, goal, epsabs=1e-14)[0]
     assert expected_improvement(goal, np.array([mean]), np.array([deviation]))[
         0
-    ] == pytest.approx(exact, rel=1e-10)
+    ] == approx(exact, rel=1e-10)
 
 
 def test_a_known_optimum_with_noise_under_a_constraint(folder, runner, capsys):
@@ -116,7 +117,7 @@ def test_a_known_optimum_with_noise_under_a_constraint(folder, runner, capsys):
     assert x + y <= 0.7 + 1e-3
     # noise of 0.01 hides distances of 0.1 of one run; a fit to some tens of them halves
     # that
-    assert (x, y) == pytest.approx((0.2, 0.5), abs=0.06)
+    assert (x, y) == approx((0.2, 0.5), abs=0.06)
     expected = found["surrogate"]["u_max"]
     assert (
         abs(expected["expected"] - 0.02)
@@ -138,7 +139,7 @@ def test_without_noise_the_optimum_is_close(folder, runner):
         found["keys"][name]["value"]
         for name in ("boundary.left.gas.velocity", "packed_bed.porosity")
     ]
-    assert values == pytest.approx([0.2, 0.5], abs=0.025)
+    assert values == approx([0.2, 0.5], abs=0.025)
 
 
 def test_particles_take_a_surrogate_and_repeats_by_themselves(folder, runner, capsys):
@@ -151,7 +152,7 @@ def test_particles_take_a_surrogate_and_repeats_by_themselves(folder, runner, ca
     assert {scene.particles.seed for scene in runner.calls} == {0, 1, 2}
     # the same three seeds at each point: their mean shifts all values alike and moves
     # no optimum
-    assert found["keys"]["boundary.bottom.gas.velocity"]["value"] == pytest.approx(
+    assert found["keys"]["boundary.bottom.gas.velocity"]["value"] == approx(
         1.4, abs=0.05
     )
     calls = len(runner.calls)
@@ -217,7 +218,7 @@ def test_whole_numbers_are_tried_once(folder, runner):
     assert optimise() == 0
     found = summary(folder)
     assert found["keys"]["boundary.left.gas.velocity"]["value"] == 0
-    assert found["keys"]["packed_bed.porosity"]["value"] == pytest.approx(0.6, abs=0.03)
+    assert found["keys"]["packed_bed.porosity"]["value"] == approx(0.6, abs=0.03)
 
 
 def test_what_no_point_fulfils(folder, runner, capsys):

@@ -3,7 +3,7 @@ differences of solutions on one mesh.
 """
 
 import numpy as np
-import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.developed_flow.results import fill
@@ -51,8 +51,8 @@ def test_radiative_equilibrium_between_plates():
         4.0 * SIGMA * 1500.0**3 / below,
         q / below / 0.8**2,
     ]
-    assert made.values[0] == pytest.approx(q, rel=1e-9)
-    assert made.derivatives[0] == pytest.approx(exact, rel=1e-8)
+    assert made.values[0] == approx(q, rel=1e-9)
+    assert made.derivatives[0] == approx(exact, rel=1e-8)
 
 
 def test_conducting_medium_against_runs_on_given_cells():
@@ -70,7 +70,7 @@ def test_conducting_medium_against_runs_on_given_cells():
             cb.run(one.on(scene, one.value * (1 + side * 1e-4))).qoi["heat_left_W"]
             for side in (1, -1)
         ]
-        assert made.derivatives[0, 0] == pytest.approx(
+        assert made.derivatives[0, 0] == approx(
             (ends[0] - ends[1]) / (2e-4 * one.value), rel=1e-6
         )
 
@@ -83,7 +83,7 @@ def test_ordinates_take_differences_of_runs():
     )
     assert made.method == "differences"
     q = made.values[0]
-    assert made.derivatives[0, 0] == pytest.approx(
+    assert made.derivatives[0, 0] == approx(
         4 * 1500.0**3 / (1500.0**4 - 1000.0**4) * q, rel=1e-5
     )
 
@@ -122,7 +122,7 @@ def test_laminar_gas_between_plates():
     exact = np.array([drag / 1.8e-5, 9.81, -2.0 * drag / 0.01, drag / 0.5])
     assert made.method == "tangent"
     # of gravity in the scene
-    assert made.derivatives[0] == pytest.approx(exact, rel=1e-3)
+    assert made.derivatives[0] == approx(exact, rel=1e-3)
 
 
 def test_developed_flow_against_solutions_on_one_mesh():
@@ -147,4 +147,4 @@ def test_developed_flow_against_solutions_on_one_mesh():
         ends = [solve(one.on(scene, one.value * (1 + side * 1e-4))) for side in (1, -1)]
         found = (ends[0] - ends[1]) / (2e-4 * one.value)
         # kinks of the drag leave their nodes by the change of the step
-        assert made.derivatives[:, j] == pytest.approx(found, rel=1e-5)
+        assert made.derivatives[:, j] == approx(found, rel=1e-5)

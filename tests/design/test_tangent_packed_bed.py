@@ -7,6 +7,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 from design_scenes import SLIP, frozen_results, random_scene
+from pytest import approx
 
 import contbed as cb
 from contbed.loading import loads
@@ -105,9 +106,7 @@ def test_slip_case_by_its_exact_solution():
         exact = (ends[0] - ends[1]) / (2 * step)
         # sixty cells of third degree; the smallest derivatives stand beside
         # temperatures of 350 K
-        assert made.derivatives[:, k] * base == pytest.approx(
-            exact * base, rel=1e-5, abs=1e-5
-        )
+        assert made.derivatives[:, k] * base == approx(exact * base, rel=1e-5, abs=1e-5)
 
 
 def test_fin_between_a_hot_end_and_a_cold_fluid():
@@ -135,16 +134,16 @@ def test_fin_between_a_hot_end_and_a_cold_fluid():
         slope = (fin(np.array([1e-7 * length]), length, k, ha)[0] - 1.0) / (
             1e-7 * length
         )
-        assert slope == pytest.approx(-m * np.tanh(m * length), rel=1e-5)
+        assert slope == approx(-m * np.tanh(m * length), rel=1e-5)
         return k * m * np.tanh(m * length) * (wall - fluid)
 
     at = np.array([0.8625, 12.0, 0.01, 0.02, 400.0, 300.0])
-    assert made.values[0] == pytest.approx(heat(*at), rel=1e-6)
+    assert made.values[0] == approx(heat(*at), rel=1e-6)
     for j in range(len(at)):
         step = 1e-4 * at[j] * np.eye(len(at))[j]
         exact = (heat(*(at + step)) - heat(*(at - step))) / (2e-4 * at[j])
         # the fluid takes up 1e-9 of its own temperature
-        assert made.derivatives[0, j] * at[j] == pytest.approx(
+        assert made.derivatives[0, j] * at[j] == approx(
             exact * at[j], rel=2e-5, abs=1e-6 * heat(*at)
         )
 
@@ -165,7 +164,7 @@ def test_danckwerts_reaction_free_limit():
         ["T_fluid_out_K"],
         ["boundary.left.gas.temperature", "boundary.left.gas.velocity", "mesh.length"],
     )
-    assert made.derivatives[0] == pytest.approx([1.0, 0.0, 0.0], abs=1e-6)
+    assert made.derivatives[0] == approx([1.0, 0.0, 0.0], abs=1e-6)
 
 
 def test_remainder_of_taylor_falls_with_the_square_of_the_step():
@@ -185,12 +184,10 @@ def test_remainder_of_taylor_falls_with_the_square_of_the_step():
         for step in (0.02 * one.value, 0.01 * one.value):
             change = solve(one.on(scene, one.value + step)) - made.values
             remainders.append(np.abs(change - made.derivatives[:, j] * step))
-        assert np.log2(remainders[0] / remainders[1]) == pytest.approx(
-            [2.0, 2.0], abs=0.05
-        )
+        assert np.log2(remainders[0] / remainders[1]) == approx([2.0, 2.0], abs=0.05)
     one = key(scene, names[3])  # linear
     change = solve(one.on(scene, one.value + 8.0)) - made.values
-    assert change == pytest.approx(8.0 * made.derivatives[:, 3], rel=1e-7)
+    assert change == approx(8.0 * made.derivatives[:, 3], rel=1e-7)
 
 
 @pytest.mark.parametrize("seed", range(5))

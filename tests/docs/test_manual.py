@@ -14,6 +14,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
+from pytest import approx
 
 from contbed import cli
 from contbed.explain import editor
@@ -92,8 +93,8 @@ def test_observed_orders_are_those_of_the_tables():
         for n in (4, 8, 16)
     ]
     entry = {"over": "n", "errors": ["e"], "series": ["kind"]}
-    assert orders(rows, entry) == pytest.approx([3.0, 3.0])
-    assert orders(rows, entry | {"tolerance": True}) == pytest.approx([-3.0, -3.0])
+    assert orders(rows, entry) == approx([3.0, 3.0])
+    assert orders(rows, entry | {"tolerance": True}) == approx([-3.0, -3.0])
     with pytest.raises(ValueError, match="fewer than three meshes"):
         orders(rows, entry | {"least": 0.01})
 
@@ -222,9 +223,9 @@ def test_worked_problems_agree_with_their_check_by_hand(
     assert rows
     for row in rows:
         value = found[row["name"].partition(" [")[0]]
-        assert value == pytest.approx(float(row["run"]), rel=1e-3), row["name"]
+        assert value == approx(float(row["run"]), rel=1e-3), row["name"]
         allowed = 1e-2 * float(row["within"])
-        assert value == pytest.approx(float(row["hand"]), rel=allowed), row["name"]
+        assert value == approx(float(row["hand"]), rel=allowed), row["name"]
 
 
 class Links(HTMLParser):

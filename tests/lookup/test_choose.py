@@ -4,7 +4,7 @@ import subprocess
 import sys
 from unittest.mock import Mock
 
-import pytest
+from pytest import approx
 
 from contbed import cli
 from contbed.closures import registry
@@ -24,7 +24,7 @@ from tests.refusals import refused
 
 def test_conditions_are_in_si():
     found = conditions("d_p=300 um, rho_s = 2600, T=850 degC, k_s=2 W/m/K")
-    assert found == pytest.approx(
+    assert found == approx(
         {"d_p": 3e-4, "rho_solid": 2600.0, "T": 1123.15, "k_solid": 2.0}, rel=1e-12
     )
 
@@ -40,14 +40,14 @@ def test_what_follows_from_the_conditions():
     """
     known, remark = derived({"T": 300.0, "d_p": 1e-3, "u": 0.5, "rho_solid": 2500.0})
     assert "air at 300 K" in remark
-    assert known["rho"] == pytest.approx(101325 * 0.02885 / 8.314 / 300, rel=1e-3)
-    assert known["Pr"] == pytest.approx(0.71, rel=0.02)
-    assert known["Re"] == pytest.approx(0.5e-3 * known["rho"] / known["mu"])
-    assert known["Ar"] == pytest.approx(
+    assert known["rho"] == approx(101325 * 0.02885 / 8.314 / 300, rel=1e-3)
+    assert known["Pr"] == approx(0.71, rel=0.02)
+    assert known["Re"] == approx(0.5e-3 * known["rho"] / known["mu"])
+    assert known["Ar"] == approx(
         1e-9 * known["rho"] * (2500 - known["rho"]) * 9.81 / known["mu"] ** 2
     )
     given, none = derived({"mu": 1e-3, "rho": 1000.0, "u": -1.0, "d_p": 1e-3})
-    assert none == "" and given["Re"] == pytest.approx(1000.0)
+    assert none == "" and given["Re"] == approx(1000.0)
 
 
 def test_closures_inside_their_range_come_first():
@@ -56,7 +56,7 @@ def test_closures_inside_their_range_come_first():
     # Re from 15 on
     assert verdicts == sorted(verdicts) and choices[-1].name == "nusselt_wakao_kaguei"
     gunn = next(choice for choice in choices if choice.name == "nusselt_gunn")
-    assert gunn.value == pytest.approx(
+    assert gunn.value == approx(
         float(registry.get("nusselt_gunn")(Re=3.0, Pr=0.7, eps=0.4))
     )
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.loading import from_dict
@@ -65,7 +66,7 @@ def _waples(t):
 def test_rocks_and_concrete_follow_their_equations(key):
     name, quantity = key
     for t in np.linspace(25.0, 570.0, 60):
-        assert MATERIALS[name].at(t + 273.15)[quantity] == pytest.approx(
+        assert MATERIALS[name].at(t + 273.15)[quantity] == approx(
             float(CELSIUS[key](t)), rel=MATERIALS[name].error
         )
 
@@ -73,7 +74,7 @@ def test_rocks_and_concrete_follow_their_equations(key):
 @each_case(__file__, "printed_values")
 def test_printed_values(material, quantity, T, values):
     for at, value in zip(T, values, strict=True):
-        assert MATERIALS[material].at(at)[quantity] == pytest.approx(
+        assert MATERIALS[material].at(at)[quantity] == approx(
             value, rel=MATERIALS[material].error
         )
 
@@ -84,7 +85,7 @@ def test_heat_capacities_follow_the_shomate_equation(name, mass, shomate):
     for T in np.linspace(*MATERIALS[name].T_range, 23):
         t = T / 1000.0
         expected = (a + b * t + c * t**2 + d * t**3 + e / t**2) / mass
-        assert MATERIALS[name].at(T)["heat_capacity"] == pytest.approx(
+        assert MATERIALS[name].at(T)["heat_capacity"] == approx(
             expected, rel=MATERIALS[name].error
         )
 
@@ -93,11 +94,11 @@ def test_solar_salt_in_celsius():
     """The equations of the report, with t in degC and the viscosity in mPa s."""
     for t in (290.0, 400.0, 565.0):
         found = MATERIALS["solar_salt"].at(t + 273.15)
-        assert found["density"] == pytest.approx(2090.0 - 0.636 * t, rel=1e-6)
-        assert found["heat_capacity"] == pytest.approx(1443.0 + 0.172 * t, rel=1e-6)
-        assert found["conductivity"] == pytest.approx(0.443 + 1.9e-4 * t, rel=1e-6)
+        assert found["density"] == approx(2090.0 - 0.636 * t, rel=1e-6)
+        assert found["heat_capacity"] == approx(1443.0 + 0.172 * t, rel=1e-6)
+        assert found["conductivity"] == approx(0.443 + 1.9e-4 * t, rel=1e-6)
         viscosity = 22.714 - 0.120 * t + 2.281e-4 * t**2 - 1.474e-7 * t**3
-        assert found["viscosity"] == pytest.approx(viscosity * 1e-3, rel=1e-5)
+        assert found["viscosity"] == approx(viscosity * 1e-3, rel=1e-5)
 
 
 def test_every_material_is_positive_and_says_its_source():
@@ -109,14 +110,14 @@ def test_every_material_is_positive_and_says_its_source():
 
 def test_a_scene_takes_the_values_of_its_materials():
     scene = cb.load(BED)
-    assert scene.gas.density == pytest.approx(2090.0 - 0.636 * 340.0, rel=1e-6)
+    assert scene.gas.density == approx(2090.0 - 0.636 * 340.0, rel=1e-6)
     assert scene.solid.heat_capacity == MATERIALS["alumina"].heat_capacity
     constant = cb.load(
         BED,
         {"solids.beads.material_temperature": "700 K", "solids.beads.density": 3000.0},
     ).solid
     assert constant.density == 3000.0  # what is given replaces what the library has
-    assert constant.heat_capacity == pytest.approx(
+    assert constant.heat_capacity == approx(
         MATERIALS["alumina"].at(700.0)["heat_capacity"]
     )
     assert from_dict(resolved(scene)) == scene
@@ -175,8 +176,8 @@ def test_particles_of_other_scenes_are_of_a_material():
     found = scene_with("bubbling_bed_case1/p1.toml", INERT, hot).solids["inert"]
     exact = MATERIALS["alumina"].at(1123.15)
     assert found.density == 3600.0  # what is given replaces what the library has
-    assert found.heat_capacity == pytest.approx(exact["heat_capacity"], rel=1e-14)
-    assert found.conductivity == pytest.approx(exact["conductivity"], rel=1e-14)
+    assert found.heat_capacity == approx(exact["heat_capacity"], rel=1e-14)
+    assert found.conductivity == approx(exact["conductivity"], rel=1e-14)
     assert found.mixing_conductivity == 2e4  # that of mixing is not the material's
     riser = scene_with(
         "two_fluid_checks/cooling.toml", BEADS, {"material": "FCC"}, ["density"]

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from contbed.errors import SceneError
 from contbed.materials import ConstantFluid, Solid
@@ -28,8 +29,8 @@ def test_constants_stay_floats():
             assert type(getattr(material, name)(T)) is float
     assert fluid.viscosity(T) == 1.8e-5
     assert solid.conductivity(T) == 1.5
-    np.testing.assert_allclose(np.diff(fluid.enthalpy(T)), 100.0 * 1005.0, rtol=1e-12)
-    np.testing.assert_allclose(np.diff(solid.enthalpy(T)), 100.0 * 850.0, rtol=1e-12)
+    assert_allclose(np.diff(fluid.enthalpy(T)), 100.0 * 1005.0, rtol=1e-12)
+    assert_allclose(np.diff(solid.enthalpy(T)), 100.0 * 850.0, rtol=1e-12)
 
 
 def test_materials_are_frozen_values():
@@ -48,12 +49,10 @@ def test_polynomial_solid():
         name="sand",
     )
     assert not solid.constant
-    np.testing.assert_allclose(solid.density(T), 2600.0 - 0.1 * T, rtol=1e-14)
-    np.testing.assert_allclose(
-        solid.heat_capacity(T), 700.0 + 0.5 * T - 1e-4 * T**2, rtol=1e-14
-    )
-    np.testing.assert_allclose(solid.conductivity(T), 2.0 + 1e-3 * T, rtol=1e-14)
-    np.testing.assert_allclose(
+    assert_allclose(solid.density(T), 2600.0 - 0.1 * T, rtol=1e-14)
+    assert_allclose(solid.heat_capacity(T), 700.0 + 0.5 * T - 1e-4 * T**2, rtol=1e-14)
+    assert_allclose(solid.conductivity(T), 2.0 + 1e-3 * T, rtol=1e-14)
+    assert_allclose(
         solid.enthalpy(T + 1e-20j).imag / 1e-20, solid.heat_capacity(T), rtol=1e-14
     )
     assert solid.share_outside(np.array([300.0, 1200.0, 500.0, np.nan])) == 0.25

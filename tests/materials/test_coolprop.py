@@ -6,6 +6,7 @@ import sys
 import numpy as np
 import pytest
 from CoolProp.CoolProp import PropsSI
+from numpy.testing import assert_allclose, assert_array_equal
 
 from contbed.errors import SceneError
 from contbed.materials import real_fluid
@@ -45,18 +46,14 @@ def test_equals_coolprop(case):
     fluid, name, T = case
     for method, key in KEYS.items():
         exact = [PropsSI(key, "T", T_i, "P", fluid.pressure, name) for T_i in T]
-        np.testing.assert_allclose(
-            getattr(fluid, method)(T), exact, rtol=1e-6, err_msg=method
-        )
+        assert_allclose(getattr(fluid, method)(T), exact, rtol=1e-6, err_msg=method)
 
 
 def test_enthalpy_equals_coolprop(case):
     """It is integrated from heat capacity, not fitted; 1e-7 of its span."""
     fluid, name, T = case
     exact = np.array([PropsSI("H", "T", T_i, "P", fluid.pressure, name) for T_i in T])
-    np.testing.assert_allclose(
-        fluid.enthalpy(T), exact, rtol=0, atol=1e-7 * np.ptp(exact)
-    )
+    assert_allclose(fluid.enthalpy(T), exact, rtol=0, atol=1e-7 * np.ptp(exact))
 
 
 def test_derivatives_of_the_tables(case):
@@ -71,16 +68,12 @@ def test_derivatives_of_the_tables(case):
     for name, (f, df) in fluid._tables.items():
         difference = (f(T + step) - f(T - step)) / (2.0 * step)
         scale = np.max(np.abs(f(T))) * 1e-15 / step + np.max(np.abs(difference)) * 1e-6
-        np.testing.assert_allclose(
-            df(T), difference, rtol=1e-6, atol=5.0 * scale, err_msg=name
-        )
+        assert_allclose(df(T), difference, rtol=1e-6, atol=5.0 * scale, err_msg=name)
 
 
 def test_derivative_of_enthalpy_is_heat_capacity(case):
     fluid, _, T = case
-    np.testing.assert_array_equal(
-        fluid._tables["enthalpy"][1](T), fluid.heat_capacity(T)
-    )
+    assert_array_equal(fluid._tables["enthalpy"][1](T), fluid.heat_capacity(T))
 
 
 def test_outside_the_range_values_stay_and_are_counted(case):
@@ -89,8 +82,8 @@ def test_outside_the_range_values_stay_and_are_counted(case):
     for name in KEYS:
         f = getattr(fluid, name)
         far, near = f(np.array([lo - 500.0, hi + 500.0])), f(np.array([lo, hi]))
-        np.testing.assert_allclose(far, near, rtol=1e-12)
-    np.testing.assert_allclose(
+        assert_allclose(far, near, rtol=1e-12)
+    assert_allclose(
         fluid.enthalpy(hi + 100.0) - fluid.enthalpy(hi),
         100.0 * fluid.heat_capacity(hi),
         rtol=1e-9,
@@ -101,13 +94,9 @@ def test_outside_the_range_values_stay_and_are_counted(case):
 def test_shapes_and_pickling():
     fluid = real_fluid("Water", 1e5, (280.0, 370.0))
     T = np.linspace(281.0, 369.0, 12)
-    np.testing.assert_array_equal(
-        fluid.density(T.reshape(4, 3)).ravel(), fluid.density(T)
-    )
+    assert_array_equal(fluid.density(T.reshape(4, 3)).ravel(), fluid.density(T))
     assert np.shape(fluid.density(300.0)) == ()
-    np.testing.assert_array_equal(
-        pickle.loads(pickle.dumps(fluid)).enthalpy(T), fluid.enthalpy(T)
-    )
+    assert_array_equal(pickle.loads(pickle.dumps(fluid)).enthalpy(T), fluid.enthalpy(T))
     assert fluid.table_error < 1e-7
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.fem.ad.dual import Dual
 from contbed.materials import Solid
@@ -17,7 +18,7 @@ LATENT = LatentHeat(178e3, 576.0, 582.0)
 
 def test_a_table_is_linear_between_its_temperatures_and_constant_beyond():
     curve = Curve(TABLE.temperatures, TABLE.values)
-    assert curve(433.15) == pytest.approx(895.0, rel=1e-15)
+    assert curve(433.15) == approx(895.0, rel=1e-15)
     assert curve(100.0) == 790.0
     assert curve(2000.0) == 1100.0
 
@@ -25,18 +26,18 @@ def test_a_table_is_linear_between_its_temperatures_and_constant_beyond():
 def test_the_enthalpy_of_a_table_is_the_area_below_it():
     content = integral_of(TABLE)
     whole = 0.5 * (790.0 + 1000.0) * 280.0 + 0.5 * (1000.0 + 1100.0) * 300.0
-    assert content(873.15) - content(293.15) == pytest.approx(whole, rel=1e-14)
+    assert content(873.15) - content(293.15) == approx(whole, rel=1e-14)
     assert content(0.0) == 0.0
-    assert content(900.0) - content(873.15) == pytest.approx(1100.0 * 26.85, rel=1e-12)
+    assert content(900.0) - content(873.15) == approx(1100.0 * 26.85, rel=1e-12)
     middle = 0.5 * (790.0 + 895.0) * 140.0
-    assert content(433.15) - content(293.15) == pytest.approx(middle, rel=1e-13)
-    assert integral_of(TABLE, start=293.15)(433.15) == pytest.approx(middle, rel=1e-13)
+    assert content(433.15) - content(293.15) == approx(middle, rel=1e-13)
+    assert integral_of(TABLE, start=293.15)(433.15) == approx(middle, rel=1e-13)
 
 
 def test_latent_heat_is_taken_up_whole_and_smoothly():
     assert LATENT.enthalpy(576.0) == 0.0
     assert LATENT.enthalpy(582.0) == 178e3
-    assert LATENT.enthalpy(579.0) == pytest.approx(89e3, rel=1e-14)
+    assert LATENT.enthalpy(579.0) == approx(89e3, rel=1e-14)
     h = 1e-3
     between = np.linspace(576.1, 581.9, 59)
     for value, slope in (
@@ -61,4 +62,4 @@ def test_heat_capacity_is_the_slope_of_the_enthalpy(capacity, latent):
     gained = solid.enthalpy(1000.0) - solid.enthalpy(200.0)
     bare = Solid(2600.0, capacity, 2.0)
     rest = bare.enthalpy(1000.0) - bare.enthalpy(200.0)
-    assert gained - rest == pytest.approx(0.0 if latent is None else 178e3, rel=1e-12)
+    assert gained - rest == approx(0.0 if latent is None else 178e3, rel=1e-12)

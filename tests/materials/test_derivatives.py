@@ -4,6 +4,7 @@ number.
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from contbed.fem.ad.dual import Dual
 from contbed.materials import ConstantFluid, Solid, gas_mixture, pointwise, real_fluid
@@ -41,12 +42,12 @@ def test_dual_number(material, method):
     if isinstance(result, float):
         assert material.constant
         return
-    np.testing.assert_allclose(result.value, f(T), rtol=1e-15)
+    assert_allclose(result.value, f(T), rtol=1e-15)
     h = 0.5
     slope = sum(
         c * (f(T + n * h) - f(T - n * h)) for n, c in ((1, 45.0), (2, -9.0), (3, 1.0))
     ) / (60.0 * h)
-    np.testing.assert_allclose(
+    assert_allclose(
         result.tangents["T"],
         slope * scale,
         rtol=2e-7,
@@ -62,7 +63,7 @@ def test_gas_by_complex_step(name, method):
     T = np.linspace(300.0, 2999.0, 28)
     result = f(Dual(T, {"T": np.ones_like(T)}))
     slope = f(T + 1e-20j).imag / 1e-20
-    np.testing.assert_allclose(
+    assert_allclose(
         result.tangents["T"], slope, rtol=1e-12, atol=1e-14 * np.max(np.abs(slope))
     )
 
@@ -76,7 +77,7 @@ def test_share_outside_takes_dual_numbers(material):
 
 def test_pointwise():
     T = np.array([1.0, 2.0])
-    np.testing.assert_array_equal(pointwise(np.square, np.exp, T), [1.0, 4.0])
+    assert_array_equal(pointwise(np.square, np.exp, T), [1.0, 4.0])
     result = pointwise(np.sin, np.cos, Dual(T, {"T": np.array([2.0, 3.0])}))
-    np.testing.assert_array_equal(result.value, np.sin(T))
-    np.testing.assert_array_equal(result.tangents["T"], np.cos(T) * [2.0, 3.0])
+    assert_array_equal(result.value, np.sin(T))
+    assert_array_equal(result.tangents["T"], np.cos(T) * [2.0, 3.0])

@@ -8,6 +8,7 @@ import sys
 import cantera as ct
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from contbed.errors import SceneError
 from contbed.loading import from_dict
@@ -60,7 +61,7 @@ def test_equals_cantera(pair, name):
     to 3 digits by cancellation.
     """
     gas, cantera, _ = pair
-    np.testing.assert_allclose(getattr(gas, name)(T), cantera[name], rtol=1e-12)
+    assert_allclose(getattr(gas, name)(T), cantera[name], rtol=1e-12)
 
 
 def test_enthalpy_equals_cantera_below_the_mid_temperatures_and_is_continuous(pair):
@@ -71,10 +72,10 @@ def test_enthalpy_equals_cantera_below_the_mid_temperatures_and_is_continuous(pa
     T_mid = sorted({solution.species(s).thermo.coeffs[0] for s in gas.mole_fractions})
     scale = np.ptp(cantera["enthalpy"])
     low = T_mid[0] >= T
-    np.testing.assert_allclose(
+    assert_allclose(
         gas.enthalpy(T[low]), cantera["enthalpy"][low], rtol=1e-12, atol=1e-12 * scale
     )
-    np.testing.assert_allclose(gas.enthalpy(T), cantera["enthalpy"], rtol=0, atol=100.0)
+    assert_allclose(gas.enthalpy(T), cantera["enthalpy"], rtol=0, atol=100.0)
     for T_m in T_mid:
         below, above = gas.enthalpy(np.array([T_m, np.nextafter(T_m, np.inf)]))
         assert abs(above - below) < 1e-12 * scale
@@ -87,12 +88,12 @@ def test_enthalpy_is_the_integral_of_heat_capacity(pair):
     gas, _, _ = pair
     points = T[T != 1000.0]
     slope = gas.enthalpy(points + 1e-20j).imag / 1e-20
-    np.testing.assert_allclose(slope, gas.heat_capacity(points), rtol=1e-13)
+    assert_allclose(slope, gas.heat_capacity(points), rtol=1e-13)
 
 
 def test_ideal_gas_law(pair):
     gas, _, _ = pair
-    np.testing.assert_allclose(
+    assert_allclose(
         gas.density(T) * 8.31446261815324 * T / gas.molar_mass, PRESSURE, rtol=1e-14
     )
 
@@ -112,7 +113,7 @@ def test_shapes_and_scalars():
     field = T[:540].reshape(60, 9)
     for name in ("density", "heat_capacity", "enthalpy", "viscosity", "conductivity"):
         f = getattr(gas, name)
-        np.testing.assert_array_equal(f(field).ravel(), f(T[:540]))
+        assert_array_equal(f(field).ravel(), f(T[:540]))
         assert np.isclose(f(500.0), f(np.array([500.0]))[0], rtol=1e-15)
 
 
@@ -125,17 +126,15 @@ def test_ways_to_write_a_composition():
     ):
         gas = gas_mixture(composition, 1e5)
         assert list(gas.mole_fractions) == ["N2", "O2"]
-        np.testing.assert_allclose(gas.viscosity(T), wanted, rtol=1e-4)
-    np.testing.assert_array_equal(
+        assert_allclose(gas.viscosity(T), wanted, rtol=1e-4)
+    assert_array_equal(
         gas_mixture("N2", 1e5).density(T), gas_mixture({"N2": 2.0}, 1e5).density(T)
     )
 
 
 def test_survives_pickling():
     gas = gas_mixture("N2:0.79, O2:0.21", 1e5)
-    np.testing.assert_array_equal(
-        pickle.loads(pickle.dumps(gas)).viscosity(T), gas.viscosity(T)
-    )
+    assert_array_equal(pickle.loads(pickle.dumps(gas)).viscosity(T), gas.viscosity(T))
 
 
 def test_cost_does_not_grow_with_species():
@@ -167,7 +166,7 @@ def test_a_file_with_species_alone_is_used_by_the_phase_that_the_message_gives(
     constant = {"viscosity": 2e-5, "conductivity": 0.03}
     made = gas_mixture("CH4:0.1, N2:0.9", 1e5, str(own), **constant)
     usual = gas_mixture("CH4:0.1, N2:0.9", 1e5, "gri30.yaml", **constant)
-    np.testing.assert_allclose(made.heat_capacity(T), usual.heat_capacity(T), rtol=5e-3)
+    assert_allclose(made.heat_capacity(T), usual.heat_capacity(T), rtol=5e-3)
 
 
 def test_no_cantera(monkeypatch):

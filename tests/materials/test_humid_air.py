@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from CoolProp.CoolProp import PropsSI
 from CoolProp.HumidAirProp import HAPropsSI
+from pytest import approx
 
 import contbed as cb
 from contbed.materials.composition import mole_fractions
@@ -58,10 +59,10 @@ def test_saturation_and_dew_points(T):
     for humidity in (0.5, 1.0):
         share = humidity * saturation_pressure(T) / P
         exact = HAPropsSI("psi_w", "T", T, "P", P, "R", humidity)
-        assert share == pytest.approx(exact, rel=0.007)
-    assert dew_point(saturation_pressure(T)) == pytest.approx(T, abs=1e-9)
+        assert share == approx(exact, rel=0.007)
+    assert dew_point(saturation_pressure(T)) == approx(T, abs=1e-9)
     dew = HAPropsSI("Tdp", "T", T + 20.0, "P", P, "psi_w", saturation_pressure(T) / P)
-    assert dew_point(saturation_pressure(T)) == pytest.approx(dew, abs=0.15)
+    assert dew_point(saturation_pressure(T)) == approx(dew, abs=0.15)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.01, 0.03])
@@ -76,10 +77,10 @@ def test_properties_are_those_of_coolprop(ratio):
         def exact(name, T=T):
             return HAPropsSI(name, "T", T, "P", P, "W", ratio)
 
-        assert gas.density(T) == pytest.approx(1.0 / exact("Vha"), rel=1e-3)
-        assert gas.heat_capacity(T) == pytest.approx(exact("cp_ha"), rel=4e-3)
-        assert gas.viscosity(T) == pytest.approx(exact("mu"), rel=0.012)
-        assert gas.conductivity(T) == pytest.approx(exact("k"), rel=0.018)
+        assert gas.density(T) == approx(1.0 / exact("Vha"), rel=1e-3)
+        assert gas.heat_capacity(T) == approx(exact("cp_ha"), rel=4e-3)
+        assert gas.viscosity(T) == approx(exact("mu"), rel=0.012)
+        assert gas.conductivity(T) == approx(exact("k"), rel=0.018)
 
 
 def test_humidity_ratio_and_relative_humidity_agree():
@@ -87,9 +88,9 @@ def test_humidity_ratio_and_relative_humidity_agree():
     T = 303.15
     ratio = HAPropsSI("W", "T", T, "P", P, "R", 0.5)
     same = mole_fractions(cb.load(bed({"gas.humidity_ratio": ratio})).gas.composition)
-    assert shares["H2O"] == pytest.approx(same["H2O"], rel=0.006)
-    assert shares["H2O"] == pytest.approx(0.5 * saturation_pressure(T) / P, rel=1e-9)
-    assert sum(shares.values()) == pytest.approx(1.0, rel=1e-12)
+    assert shares["H2O"] == approx(same["H2O"], rel=0.006)
+    assert shares["H2O"] == approx(0.5 * saturation_pressure(T) / P, rel=1e-9)
+    assert sum(shares.values()) == approx(1.0, rel=1e-12)
 
 
 def test_condensation_is_warned_of():
@@ -150,6 +151,6 @@ def test_constants_of_air_at_20_degC_are_taken_with_a_warning(model):
         (scene.fluid.conductivity, "L", 0.018),
     ):
         exact = PropsSI(name, "T", 293.15, "P", P, "Air")
-        assert value == pytest.approx(exact, rel=error), name
+        assert value == approx(exact, rel=error), name
     given["gas"]["reference_temperature"] = 150.0
     refused("known from 300 to 3000 K, not at 150 K", cb.load, given)

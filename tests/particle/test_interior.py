@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.particle.interior import interior
 
@@ -16,20 +17,18 @@ FIRST = {"sphere": 4.493409457909064, "cylinder": 3.831705970207512, "slab": np.
 @pytest.mark.parametrize(("points", "error"), [(3, 2e-3), (6, 1e-8), (12, 1e-11)])
 def test_slowest_mode(shape, points, error):
     rates, _ = interior(points, shape).modes()
-    assert np.sqrt(rates[1]) == pytest.approx(FIRST[shape], rel=error)
+    assert np.sqrt(rates[1]) == approx(FIRST[shape], rel=error)
 
 
 @pytest.mark.parametrize("shape", FIRST)
 def test_mean_changes_by_the_flux_alone(shape):
     inside = interior(5, shape)
-    assert inside.weights.sum() == pytest.approx(1.0, rel=1e-14) and np.all(
-        inside.weights > 0
-    )
+    assert inside.weights.sum() == approx(1.0, rel=1e-14) and np.all(inside.weights > 0)
     assert (
         np.abs(inside.stiffness.sum(axis=0)).max()
         < 1e-13 * np.abs(inside.stiffness).max()
     )
-    assert inside.stiffness == pytest.approx(inside.stiffness.T)
+    assert inside.stiffness == approx(inside.stiffness.T)
 
 
 @pytest.mark.parametrize("shape", FIRST)
@@ -39,8 +38,8 @@ def test_even_polynomials_are_exact(shape):
     # laplacian of r^4 is 4 (s + 2) r^2; its flux at the surface is 4
     tested = -inside.stiffness @ r**4
     tested[-1] += s * 4.0
-    assert tested == pytest.approx(inside.weights * 4 * (s + 2) * r**2, abs=1e-12)
-    assert inside.weights @ r**4 == pytest.approx(s / (s + 4.0), rel=1e-13)  # mean
+    assert tested == approx(inside.weights * 4 * (s + 2) * r**2, abs=1e-12)
+    assert inside.weights @ r**4 == approx(s / (s + 4.0), rel=1e-13)  # mean
 
 
 @pytest.mark.parametrize(

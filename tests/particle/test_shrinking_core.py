@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.integrate import solve_ivp
 
 from contbed.chemistry.laws import shrinking_core as core
@@ -22,7 +23,7 @@ def time(X, tau):
 def test_times(row):
     tau = core.Times(row["tau_film"], row["tau_ash"], row["tau_reaction"])
     # 12 digits less those lost at small X
-    assert time(row["X"], tau) == pytest.approx(row["t"], rel=5e-11)
+    assert time(row["X"], tau) == approx(row["t"], rel=5e-11)
 
 
 @pytest.mark.parametrize(
@@ -34,34 +35,32 @@ def test_speed_of_the_interface_integrates_to_the_time(tau):
     found = solve_ivp(lambda x, t: 1.0 / core.per_area(1.0 - x, tau), (0, 0.9), [0.0], rtol=1e-11, atol=1e-13,
                       t_eval=1.0 - q)  # fmt: skip
     # of the integrator
-    assert found.y[0] == pytest.approx(time(1.0 - q**3, tau), rel=1e-9)
+    assert found.y[0] == approx(time(1.0 - q**3, tau), rel=1e-9)
 
 
 def test_rate_is_that_of_the_interface_and_finite_at_the_end():
     tau = core.Times(0.2, 0.5, 0.3)
     q = np.array([1.0, 0.4, 0.0])
-    assert core.rate(q, tau) == pytest.approx(
-        3 * q**2 * core.per_area(q, tau), rel=1e-14
-    )
+    assert core.rate(q, tau) == approx(3 * q**2 * core.per_area(q, tau), rel=1e-14)
     assert core.rate(0.0, tau) == 0.0
-    assert core.per_area(0.0, tau) == pytest.approx(1 / 0.3)
-    assert core.rate(1.0, tau) == pytest.approx(3.0 / (3 * 0.2 + 0.3), rel=1e-14)
+    assert core.per_area(0.0, tau) == approx(1 / 0.3)
+    assert core.rate(1.0, tau) == approx(3.0 / (3 * 0.2 + 0.3), rel=1e-14)
 
 
 def test_times_of_the_resistances():
     tau = core.times(
         2e-3, 2e4, 5.0, gas_per_solid=3.0, film=0.1, diffusivity=1e-5, constant=0.02
     )
-    assert tau.film == pytest.approx(3 * 2e-3 * 2e4 / (3 * 0.1 * 5.0))
-    assert tau.ash == pytest.approx(3 * 4e-6 * 2e4 / (6 * 1e-5 * 5.0))
-    assert tau.reaction == pytest.approx(3 * 2e-3 * 2e4 / (0.02 * 5.0))
+    assert tau.film == approx(3 * 2e-3 * 2e4 / (3 * 0.1 * 5.0))
+    assert tau.ash == approx(3 * 4e-6 * 2e4 / (6 * 1e-5 * 5.0))
+    assert tau.reaction == approx(3 * 2e-3 * 2e4 / (0.02 * 5.0))
 
 
 def test_fractional_powers_are_odd_straight_lines_at_the_end():
-    assert core.remaining_radius(np.array([-1e-9, 0.0]))[0] == pytest.approx(
+    assert core.remaining_radius(np.array([-1e-9, 0.0]))[0] == approx(
         -1e-9 * 1e4, rel=1e-5
     )
-    assert core.remaining_radius(0.125) == pytest.approx(0.5, rel=1e-10)
+    assert core.remaining_radius(0.125) == approx(0.5, rel=1e-10)
 
 
 def test_derivatives_by_dual_numbers():
@@ -79,9 +78,7 @@ def test_derivatives_by_dual_numbers():
             for s in (step, -step)
         )
         # differences of order step^2
-        assert slope(left) == pytest.approx(
-            (up - down) / (2 * step), rel=1e-6, abs=1e-6
-        )
+        assert slope(left) == approx((up - down) / (2 * step), rel=1e-6, abs=1e-6)
     assert slope(0.0) == 0.0  # as of q |q|
 
 

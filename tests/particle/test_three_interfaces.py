@@ -8,6 +8,7 @@ from itertools import groupby
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -97,14 +98,14 @@ def test_pellet_in_constant_gas(key, group):
     for row in group:
         # the table starts at a radius just below 1: times are 1e-6 s apart at first,
         # and 4e-7 at the very end
-        assert time(row["reduction"]) == pytest.approx(row["t_s"], rel=1e-6, abs=3e-6)
+        assert time(row["reduction"]) == approx(row["t_s"], rel=1e-6, abs=3e-6)
 
 
 def test_guard_changes_little():
     key, group = CASES[0]
     time = pellet(*key, guard=three.GUARD)
     for row in group[:-1]:
-        assert time(row["reduction"]) == pytest.approx(
+        assert time(row["reduction"]) == approx(
             row["t_s"], rel=5e-4, abs=0.1
         )  # the later stages begin some 0.05 s later
 
@@ -119,7 +120,7 @@ def test_elimination_solves_the_system_of_resistances():
     c1 = c2 - v[0] * (1 / X[0] - 1 / X[1]) * R / at.D[0]
     for vi, xi, ci, k, K in zip(v, X, (c1, c2, c3), at.k, at.K, strict=True):
         e = (gas.reducing + gas.oxidised) / (1 + K)
-        assert vi == pytest.approx(xi**2 * k * (1 + 1 / K) * (ci - e), rel=1e-10)
+        assert vi == approx(xi**2 * k * (1 + 1 / K) * (ci - e), rel=1e-10)
 
 
 def test_gas_in_equilibrium_with_a_stage_does_nothing():
@@ -151,7 +152,7 @@ def test_no_interface_overtakes_below_the_triple_point():
 def test_nothing_goes_back_without_product():
     at = three.TAKAHASHI["H2"].constants(1100.0)
     gas = three.Gas(0.0, 10.0, FILM)  # steam
-    assert pellet_rates((1.0, 1.0, 1.0), 0.005, gas, at) == pytest.approx(
+    assert pellet_rates((1.0, 1.0, 1.0), 0.005, gas, at) == approx(
         (0.0, 0.0, 0.0), abs=1e-12
     )
     assert pellet_rates((0.5, 0.7, 0.9), 0.005, gas, at)[2] < 0.0
@@ -188,7 +189,7 @@ def test_derivatives_by_dual_numbers():
         ]
         # differences of order step^2; a rate that does not depend on a radius has no
         # such slope
-        assert [float(v.tangents[k][0]) for v in found] == pytest.approx(
+        assert [float(v.tangents[k][0]) for v in found] == approx(
             wanted, rel=1e-6, abs=1e-7
         )
     wanted = [
@@ -197,7 +198,7 @@ def test_derivatives_by_dual_numbers():
             rates(X, gas.reducing + step), rates(X, gas.reducing - step), strict=True
         )
     ]
-    assert [float(v.tangents["c"][0]) for v in found] == pytest.approx(wanted, rel=1e-6)
+    assert [float(v.tangents["c"][0]) for v in found] == approx(wanted, rel=1e-6)
 
 
 def test_all_pellets_at_once():
@@ -211,4 +212,4 @@ def test_all_pellets_at_once():
         single = pellet_rates(
             tuple(x[k] for x in X), 0.006, three.Gas(0.9 * c[k], 0.1 * c[k], FILM), at
         )
-        assert both[:, k] == pytest.approx(np.array(single), rel=1e-13)
+        assert both[:, k] == approx(np.array(single), rel=1e-13)

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.special import jn_zeros
 
 from contbed.particle import uptake
@@ -21,17 +22,17 @@ def test_breakthrough_of_the_table(row):
     eta = np.array([row["eta"]])
     # Talbot's contour with 32 nodes; the table has 12 digits
     exact = uptake.breakthrough(row["xi"], eta, row["Bi"])[0]
-    assert exact == pytest.approx(row["theta_gas"], abs=1e-9)
+    assert exact == approx(row["theta_gas"], abs=1e-9)
     corrected = uptake.breakthrough(row["xi"], eta, row["Bi"], "effective")[0]
-    assert corrected - exact == pytest.approx(row["ldf_error"], abs=1e-9)
+    assert corrected - exact == approx(row["ldf_error"], abs=1e-9)
 
 
 @pytest.mark.parametrize("row", rows("moving_bed_spheres.csv"))
 def test_moving_bed_of_the_table(row):
     exact = uptake.moving_bed(row["Gamma"], row["Bi"], row["Fo"])
-    assert exact == pytest.approx(row["gas_out"], abs=1e-10)
+    assert exact == approx(row["gas_out"], abs=1e-10)
     corrected = uptake.moving_bed(row["Gamma"], row["Bi"], row["Fo"], "effective")
-    assert corrected - exact == pytest.approx(row["ldf_error_gas"], abs=1e-10)
+    assert corrected - exact == approx(row["ldf_error_gas"], abs=1e-10)
 
 
 @pytest.mark.parametrize("shape", ["sphere", "cylinder", "slab"])
@@ -64,7 +65,7 @@ def test_levels_agree_where_the_particle_follows_slowly(shape):
 
 def test_inversion_of_a_known_transform():
     t = np.array([0.1, 1.0, 7.0])
-    assert uptake.invert(lambda p: 1.0 / (p + 1.0) ** 2, t) == pytest.approx(
+    assert uptake.invert(lambda p: 1.0 / (p + 1.0) ** 2, t) == approx(
         t * np.exp(-t), abs=1e-10
     )
 
@@ -79,7 +80,7 @@ def test_cylinder_cools_with_the_zeros_of_bessel_functions():
         ),
         fourier,
     )
-    assert mean == pytest.approx(
+    assert mean == approx(
         1.0 - np.exp(-np.outer(fourier, z**2)) @ (4.0 / z**2), abs=1e-9
     )
 
@@ -90,13 +91,13 @@ def test_errors_of_levels_fall_with_the_biot_number():
     ]
     # 5.3e-6, 4.2e-4 of the table's comparison of levels; 1.38e-2 is what the bed of
     # studies/adsorber shows in a run
-    assert errors == pytest.approx([5.3e-6, 4.2e-4, 1.38e-2], rel=0.1)
+    assert errors == approx([5.3e-6, 4.2e-4, 1.38e-2], rel=0.1)
     assert uptake.breakthrough_error(20.0, 1.0, "lumped") > 20 * errors[1]
-    assert uptake.moving_bed_error(-0.8, 1.0, 1.0, "effective") == pytest.approx(
+    assert uptake.moving_bed_error(-0.8, 1.0, 1.0, "effective") == approx(
         4.62e-4 / 0.8, rel=0.01
     )
     # the solids' error is the gas's over Gamma, the balance of heat
-    assert uptake.moving_bed_error(-0.5, 1.0, 1.0, "effective") == pytest.approx(
+    assert uptake.moving_bed_error(-0.5, 1.0, 1.0, "effective") == approx(
         2
         * abs(
             uptake.moving_bed(-0.5, 1.0, 1.0, "effective")
@@ -110,10 +111,10 @@ def test_a_short_bed_errs_most_when_the_gas_arrives():
     # the film alone and an inside let exp(-xi) through at once, the corrected film
     # exp(-xi/c)
     expected = np.exp(-1.0 / 1.2) - np.exp(-1.0)
-    assert uptake.breakthrough_error(1.0, 1.0, "effective") == pytest.approx(
+    assert uptake.breakthrough_error(1.0, 1.0, "effective") == approx(
         expected, rel=1e-12
     )
-    assert uptake.breakthrough_error(1.0, 1.0, "effective", last=1e-6) == pytest.approx(
+    assert uptake.breakthrough_error(1.0, 1.0, "effective", last=1e-6) == approx(
         expected, rel=1e-12
     )
     assert uptake.breakthrough_error(1.0, 1.0, "lumped", last=1e-6) == 0.0
@@ -156,7 +157,7 @@ def test_a_long_moving_bed_with_heavy_solids_leaves_the_gas_at_their_temperature
         else 1.0 / (1.0 + units)
     )
     found = uptake.moving_bed(gamma, biot, fourier, "lumped")
-    assert found == pytest.approx(exact, rel=1e-6)
+    assert found == approx(exact, rel=1e-6)
     assert 0.0 <= uptake.moving_bed(gamma, biot, fourier) < 1e-3
 
 
@@ -183,25 +184,23 @@ def test_uptake_of_a_sphere_at_small_p():
     """
     for p in (1e-14, 1e-10):
         # of the next order is 1 + 5/Bi times p/15
-        assert complex(uptake.uptake(p, 2.0)).real == pytest.approx(
-            p / 6.0, rel=1e-9, abs=0.0
-        )
+        assert complex(uptake.uptake(p, 2.0)).real == approx(p / 6.0, rel=1e-9, abs=0.0)
     # on both sides of where the series begins
     below, above = (
         complex(uptake.uptake(uptake.SMALL * (1.0 + k), 2.0)).real
         for k in (-1e-9, 1e-9)
     )
-    assert (above - below) / below == pytest.approx(2e-9, rel=1e-2)
+    assert (above - below) / below == approx(2e-9, rel=1e-2)
 
 
 def test_gas_in_a_steady_bed_misses_by_the_coefficient():
     x = np.linspace(0.0, 30.0, 300001)
     c = uptake.correction(4.0)
     # a grid of 1e-4 transfer units
-    assert uptake.steady_error(50.0, 4.0, "lumped") == pytest.approx(
+    assert uptake.steady_error(50.0, 4.0, "lumped") == approx(
         (np.exp(-x / c) - np.exp(-x)).max(), rel=1e-8
     )
-    assert uptake.steady_error(0.1, 4.0, "lumped") == pytest.approx(
+    assert uptake.steady_error(0.1, 4.0, "lumped") == approx(
         np.exp(-0.1 / c) - np.exp(-0.1), rel=1e-12
     )
     assert uptake.steady_error(50.0, 4.0, "effective") == 0.0

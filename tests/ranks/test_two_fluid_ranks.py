@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dolfinx_launch import started
+from numpy.testing import assert_allclose
 from two_fluid_scenes import BEDS, CHECK_CASES
 
 from contbed.output.tables import read_table
@@ -136,7 +137,7 @@ def test_checkpoint_goes_on_on_other_ranks(first: int, then: int, written) -> No
     assert len(found) == len(expected) == 6
     for name in expected.dtype.names:
         scale = np.abs(expected[name]).max() or 1.0
-        np.testing.assert_allclose(
+        assert_allclose(
             found[name], expected[name], rtol=0.0, atol=CONTINUED * scale, err_msg=name
         )
 
@@ -158,7 +159,7 @@ def test_averages_of_ranks_are_those_of_gathered_fields(ranks: int, written) -> 
             scale = np.abs(gathered[key]).max() or 1.0
             # cells have the same bits; sums over the bed are taken in another order
             allowed = ROUNDING * scale if key in OF_BED else 0.0
-            np.testing.assert_allclose(
+            assert_allclose(
                 taken[key],
                 gathered[key],
                 rtol=0.0,
@@ -176,7 +177,7 @@ def test_averages_do_not_depend_on_the_number_of_ranks(ranks: int, written) -> N
         )
         for key in one.files:
             scale = np.abs(one[key]).max() or 1.0
-            np.testing.assert_allclose(
+            assert_allclose(
                 other[key],
                 one[key],
                 rtol=0.0,
@@ -195,7 +196,7 @@ def test_pulse_of_hot_gas_ends_on_all_ranks(written) -> None:
     assert drop[0] > 1.5 * without[0] and drop[-1] < without[-1]
     for name in one.dtype.names:
         scale = np.abs(one[name]).max() or 1.0
-        np.testing.assert_allclose(
+        assert_allclose(
             two[name], one[name], rtol=0.0, atol=CONTINUED * scale, err_msg=name
         )
 
@@ -236,7 +237,7 @@ def test_a_killed_rank_ends_all_and_the_checkpoint_goes_on(
             assert columns.keys() == wanted.keys()
             for name, values in wanted.items():
                 scale = np.abs(values).max() or 1.0
-                np.testing.assert_allclose(
+                assert_allclose(
                     columns[name],
                     values,
                     rtol=0.0,

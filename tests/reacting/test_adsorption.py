@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from adsorption_scenes import SPEED, TRACE, adsorber, constant_pattern
+from numpy.testing import assert_allclose
 from reacting_bed_scenes import P, T, let_move
 
 import contbed
@@ -44,7 +45,7 @@ def test_breakthrough(level, points, biot, units, tolerance):
     scene["solids"]["particles"]["inside"] = {"adsorption": level, "points": points}
     found, _ = breaks_through(scene, unit, units)
     law = {"interior": "interior", "linear_driving_force": "effective"}[level]
-    np.testing.assert_allclose(
+    assert_allclose(
         found, breakthrough(units, units * SHARES, biot, law), atol=tolerance
     )
 
@@ -62,7 +63,7 @@ def test_porous_particles_hold_gas_as_well():
         """,
     )
     found, _ = breaks_through(scene, unit, units)
-    np.testing.assert_allclose(
+    assert_allclose(
         found, breakthrough(units, units * SHARES, 1.0, "effective"), atol=1e-4
     )
 
@@ -80,7 +81,7 @@ def test_a_langmuir_front_keeps_its_shape():
     set_keys(scene, "mesh.cells = 6")
     result = contbed.run(from_dict(scene))
     # steps to 3e-3 leave 1e-4 and less
-    np.testing.assert_allclose(result.profiles["x_A [1]"] / TRACE, levels, atol=5e-4)
+    assert_allclose(result.profiles["x_A [1]"] / TRACE, levels, atol=5e-4)
     assert_closed(result, CLOSED, "C")
 
 
@@ -170,12 +171,8 @@ def test_gases_compete_for_sites():
     set_keys(scene, "mesh.cells = 2")
     result = contbed.run(from_dict(scene))
     a, c = 1e-3 * 0.02 * P, 4e-3 * 0.01 * P
-    np.testing.assert_allclose(
-        result.profiles["q_A [mol/kg]"], a / (1.0 + a + c), rtol=1e-10
-    )
-    np.testing.assert_allclose(
-        result.profiles["q_C [mol/kg]"], c / (1.0 + a + c), rtol=1e-10
-    )
+    assert_allclose(result.profiles["q_A [mol/kg]"], a / (1.0 + a + c), rtol=1e-10)
+    assert_allclose(result.profiles["q_C [mol/kg]"], c / (1.0 + a + c), rtol=1e-10)
 
 
 def test_isotherms_follow_the_temperature():

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from adsorption_scenes import TRACE, adsorber
+from pytest import approx
 from reacting_bed_scenes import T, let_move
 from several_solids import split
 from solving import CLOSED, solved
@@ -97,10 +98,10 @@ def test_steady_state(biot, Da, level):
         scene["solids"]["particles"]["adsorption"]["A"]["henry"] *= more
         del scene["time"]
         found.append(solved(scene).qoi["x_A_out"] / TRACE)
-    assert found[0] == pytest.approx(
+    assert found[0] == approx(
         np.exp(-UNITS * resistance(biot, Da, level)(0.0)), abs=1e-8
     )
-    assert found[1] == pytest.approx(found[0], abs=1e-12)
+    assert found[1] == approx(found[0], abs=1e-12)
 
 
 def test_a_film_alone_is_that_of_particles_that_do_not_adsorb():
@@ -116,7 +117,7 @@ def test_a_film_alone_is_that_of_particles_that_do_not_adsorb():
     )
     other = solved(scene)
     for key in ("x_A_out", "x_B_out", "extent_r_mol_m2s"):
-        assert one.qoi[key] == pytest.approx(other.qoi[key], rel=1e-9), key
+        assert one.qoi[key] == approx(other.qoi[key], rel=1e-9), key
 
 
 def hot(level: str):
@@ -181,7 +182,7 @@ def test_balances_of_particles_that_move():
     del scene["time"]
     result = solved(scene)
     carbon = result.balances["C"]
-    assert carbon["relative_residual"] == pytest.approx(0.0, abs=CLOSED)
+    assert carbon["relative_residual"] == approx(0.0, abs=CLOSED)
     by_gas = result.qoi["out_A_mol_m2s"] + 0.5 * result.qoi["out_B_mol_m2s"]
     assert by_gas < 0.98 * carbon["in"]
 
@@ -195,7 +196,7 @@ def test_equal_kinds_are_one():
     set_keys(scene, 'reactions.r.solid = ["fine", "coarse"]')
     two = solved(split(scene))
     for key in ("x_A_out", "x_B_out", "T_fluid_out_K"):
-        assert two.qoi[key] == pytest.approx(one.qoi[key], rel=1e-9), key
+        assert two.qoi[key] == approx(one.qoi[key], rel=1e-9), key
 
 
 def test_a_product_that_is_adsorbed_shifts_the_equilibrium():
@@ -248,7 +249,7 @@ def test_a_product_that_is_adsorbed_shifts_the_equilibrium():
     assert_closed(result, CLOSED)
     early, late = result.profiles["x_A [1]"]
     x = np.sqrt(0.05 / 1.05)
-    assert late == pytest.approx((1.0 - x) / (1.0 + x), rel=1e-5)
+    assert late == approx((1.0 - x) / (1.0 + x), rel=1e-5)
     assert early < 0.9 * late
 
 

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from reacting_bed_scenes import (
     bilinear,
     danckwerts,
@@ -108,9 +109,7 @@ def test_gas_from_the_right_is_damped_as_from_the_left():
     assert other.qoi["cells_damped"] == one.qoi["cells_damped"] > 0
     assert_within_bounds(other)
     for name in ("x_A [1]", "x_B [1]", "x_C [1]"):
-        np.testing.assert_allclose(
-            other.profiles[name][::-1], one.profiles[name], atol=1e-9
-        )
+        assert_allclose(other.profiles[name][::-1], one.profiles[name], atol=1e-9)
 
 
 def in_series(cells: int, Da: float):
@@ -188,12 +187,10 @@ def test_damping_takes_nothing_and_its_derivatives_are_exact():
     u, v = np.random.default_rng(3).uniform(0.0, 1.0, (2, 1, 2, 4))
     (bare, _), (residual, slopes) = plain.assemble(u), damped.assemble(u)
     assert np.abs(residual - bare).max() > 0.1
-    np.testing.assert_allclose(
-        residual.sum(axis=2), bare.sum(axis=2), rtol=0.0, atol=1e-14
-    )
+    assert_allclose(residual.sum(axis=2), bare.sum(axis=2), rtol=0.0, atol=1e-14)
     product = (slopes.matrix(np.ones(1)) @ v.ravel()).reshape(v.shape)
     difference = damped.assemble(u + v)[0] - residual  # of a linear system
-    np.testing.assert_allclose(product, difference, rtol=0.0, atol=1e-13)
+    assert_allclose(product, difference, rtol=0.0, atol=1e-13)
 
 
 def test_a_run_in_time_tells_how_far_and_where_an_amount_falls_below_zero(monkeypatch):

@@ -11,6 +11,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 from reacting_bed_scenes import (
     N_SOLID,
     fixed_bed,
@@ -187,8 +189,8 @@ def test_a_rate_ends_with_the_solid():
     assert least_of(scene) > -LEFT
     result = contbed.run(from_dict(scene))
     assert result.qoi["steps_limited"] > 0
-    assert result.profiles["x_A [1]"][-1] == pytest.approx(np.exp(-1.5), abs=1e-3)
-    assert result.profiles["w_P [1]"][-1] == pytest.approx(np.exp(-1.5), abs=1e-10)
+    assert result.profiles["x_A [1]"][-1] == approx(np.exp(-1.5), abs=1e-3)
+    assert result.profiles["w_P [1]"][-1] == approx(np.exp(-1.5), abs=1e-10)
     assert_closed(result, CLOSED)
 
 
@@ -245,10 +247,10 @@ def test_damping_of_a_step_is_that_of_what_it_stores():
         [names.index(name) for name in ("n_S", "n_P")],
     )
     v = abs(problem.bed.velocity_solid)
-    np.testing.assert_allclose(carries[gas], 1.0, rtol=1e-12)
-    np.testing.assert_allclose(carries[solid], v, rtol=1e-6)
-    np.testing.assert_allclose(stores[gas], 1.0, rtol=1e-12)
-    np.testing.assert_allclose(
+    assert_allclose(carries[gas], 1.0, rtol=1e-12)
+    assert_allclose(carries[solid], v, rtol=1e-6)
+    assert_allclose(stores[gas], 1.0, rtol=1e-12)
+    assert_allclose(
         stores[solid], v + problem.line.h / (GAMMA * 1e-6) * np.ones((2, 1)), rtol=1e-12
     )
 
@@ -270,8 +272,8 @@ def test_rates_take_no_more_than_there_is():
         "X": np.array([np.inf, 1.0, 1.0, np.inf]),
     }
     (one,), (two,) = within([[first], [second]], CHAIN, most)
-    np.testing.assert_allclose(one, [3.0, 1.0, 0.5, 1.0], rtol=1e-14)
-    np.testing.assert_allclose(two, [5.0, 2.0, 0.5, -0.5], rtol=1e-14)
+    assert_allclose(one, [3.0, 1.0, 0.5, 1.0], rtol=1e-14)
+    assert_allclose(two, [5.0, 2.0, 0.5, -0.5], rtol=1e-14)
     for name, limit in most.items():
         lost = -sum(
             r.stoichiometry.get(name, 0.0) * rate
@@ -294,7 +296,7 @@ def test_derivatives_of_limited_rates():
         ("b", (a, b + step), (a, b - step)),
     ):
         for rate, more, less in zip(exact, rates(*up), rates(*down), strict=True):
-            assert rate.tangents.get(slot, np.zeros(1)) == pytest.approx(
+            assert rate.tangents.get(slot, np.zeros(1)) == approx(
                 (more - less) / (2.0 * step), abs=1e-8
             )
 
@@ -313,10 +315,8 @@ def test_what_is_shown_between_nodes_holds_as_much():
     assert (
         shown[[k, made], 3] @ problem.line.basis(xi).T
     ).min() >= -1e-12 * problem.sizes[k]
-    np.testing.assert_allclose(
-        shown @ problem.line.weights, u @ problem.line.weights, rtol=1e-14
-    )
-    np.testing.assert_allclose(shown[k] + shown[made], u[k] + u[made], rtol=1e-14)
+    assert_allclose(shown @ problem.line.weights, u @ problem.line.weights, rtol=1e-14)
+    assert_allclose(shown[k] + shown[made], u[k] + u[made], rtol=1e-14)
     assert np.array_equal(np.delete(shown, 3, axis=1), np.delete(u, 3, axis=1))
 
 
@@ -332,9 +332,7 @@ def test_gas_to_the_left_is_damped_as_to_the_right():
     one, other = contbed.run(from_dict(right)), contbed.run(from_dict(left))
     assert one.qoi["steps_damped"] > 10
     for name in ("x_A [1]", "x_B [1]", "w_S [1]"):
-        np.testing.assert_allclose(
-            other.profiles[name][::-1], one.profiles[name], atol=1e-7
-        )
+        assert_allclose(other.profiles[name][::-1], one.profiles[name], atol=1e-7)
 
 
 def test_damping_of_short_steps_leaves_no_solid_in_the_cell_where_it_enters():
@@ -360,4 +358,4 @@ def test_damping_of_short_steps_leaves_no_solid_in_the_cell_where_it_enters():
     found = contbed.run(from_dict(scene))
     assert found.qoi["steps_damped"] > 0
     key = "n_P [mol/m3]"
-    assert found.profiles[key] == pytest.approx(steady.profiles[key], abs=2.0)
+    assert found.profiles[key] == approx(steady.profiles[key], abs=2.0)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from contbed.errors import ConvergenceError
 from contbed.fem import line_blocks
@@ -57,7 +58,7 @@ def held(parts, local=()):
 @pytest.mark.parametrize("local", [(), LOCAL], ids=["all fields", "condensed"])
 def test_sources_belong_to_the_blocks(local):
     for found, given in zip(held(blocks(), local).of_all(), blocks(), strict=True):
-        np.testing.assert_allclose(found, given, rtol=1e-15)
+        assert_allclose(found, given, rtol=1e-15)
 
 
 def test_same_solution():
@@ -66,7 +67,7 @@ def test_same_solution():
         Factors(held(blocks()), SIZES).solve(right),
         Factors(held(blocks(), LOCAL), SIZES).solve(right),
     )
-    np.testing.assert_allclose(condensed, whole, rtol=1e-11, atol=1e-13)
+    assert_allclose(condensed, whole, rtol=1e-11, atol=1e-13)
 
 
 def test_a_node_without_solution():
@@ -81,7 +82,7 @@ def test_wide_blocks_have_sparse_factors_with_the_same_solution(local, monkeypat
     right = np.random.default_rng(8).standard_normal((M, N, NODES))
     as_band = Factors(held(blocks(), local), SIZES).solve(right)
     monkeypatch.setattr(line_blocks, "WIDEST", 1)
-    np.testing.assert_allclose(
+    assert_allclose(
         Factors(held(blocks(), local), SIZES).solve(right),
         as_band,
         rtol=1e-11,
@@ -117,6 +118,4 @@ def test_units_leave_the_solution_as_exact_as_it_was(local):
     found = Factors(held(other, local), (equations, unknowns)).solve(
         right * equations[:, None, None]
     )
-    np.testing.assert_allclose(
-        found / unknowns[:, None, None], plain, rtol=1e-12, atol=1e-14
-    )
+    assert_allclose(found / unknowns[:, None, None], plain, rtol=1e-12, atol=1e-14)

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from reacting_bed_scenes import danckwerts, heated, isothermal, let_move, species
 from several_solids import split
 from test_bounds_in_time import CLOSED, LEFT, course_of, least_of, unbounded
@@ -100,13 +101,9 @@ def test_derivatives_of_damping(scene, stored):
     )
     exact = product(damped) - product(problem)
     assert np.abs(exact).max() > 0.1
-    np.testing.assert_allclose(
-        exact, differences, rtol=0.0, atol=1e-6 * np.abs(exact).max()
-    )
+    assert_allclose(exact, differences, rtol=0.0, atol=1e-6 * np.abs(exact).max())
     moved = added(u) / problem.flux_sizes[:, None, None]
-    np.testing.assert_allclose(
-        moved.sum(axis=2), 0.0, atol=1e-12 * max(1.0, np.abs(moved).max())
-    )
+    assert_allclose(moved.sum(axis=2), 0.0, atol=1e-12 * max(1.0, np.abs(moved).max()))
 
 
 @pytest.mark.parametrize(
@@ -169,9 +166,7 @@ def test_fluxes_of_damping_carry_their_heat(stored, temperatures):
             if name in both
             else [both[f"{name}_{kind}"] for kind in shares]
         )
-        np.testing.assert_allclose(
-            np.sum(sums, axis=0), found[name], rtol=1e-12, atol=1e-12
-        )
+        assert_allclose(np.sum(sums, axis=0), found[name], rtol=1e-12, atol=1e-12)
 
 
 def entering(composition, initial, gases):
@@ -297,7 +292,7 @@ def test_a_front_without_heat_leaves_the_temperature():
     result = contbed.run(from_dict(scene))
     assert result.qoi["steps_damped"] > 50
     for name in ("T_fluid [K]", "T_solid [K]"):
-        np.testing.assert_allclose(result.profiles[name], 300.0, atol=1e-6)
+        assert_allclose(result.profiles[name], 300.0, atol=1e-6)
     assert_closed(result, CLOSED, "energy")
 
 

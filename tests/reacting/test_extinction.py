@@ -9,6 +9,7 @@ from __future__ import annotations
 import cantera as ct
 import numpy as np
 import pytest
+from pytest import approx
 from reacting_bed_scenes import MOLAR, P, isothermal, species
 from scipy.integrate import solve_ivp
 from solving import CLOSED
@@ -73,7 +74,7 @@ def test_a_square_root_ends_at_a_point(scene):
     """
     found, error = solved(scene, 0.5)
     assert error < 1e-6  # solver.tolerance
-    assert found.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-10)
+    assert found.qoi["conversion_A"] == approx(1.0, abs=1e-10)
     assert found.solved[0].bed.small.amounts <= 1e-7
     assert "cells" not in scene["mesh"] or found.qoi["cells"] == scene["mesh"]["cells"]
 
@@ -85,7 +86,7 @@ def test_other_orders_end_at_a_point(n):
     """
     found, error = solved(power(n), n)
     assert error < 3e-5  # of cells, as solver.tolerance^0.7 is what they are held to
-    assert found.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-10)
+    assert found.qoi["conversion_A"] == approx(1.0, abs=1e-10)
 
 
 def test_two_gases_that_end_at_once_or_one_of_them():
@@ -94,8 +95,8 @@ def test_two_gases_that_end_at_once_or_one_of_them():
     set_keys(scene, 'reactions.r.equation = "A + C -> B + D"')
     set_keys(scene, 'gas.composition = "A:0.4, C:0.6"')
     found = contbed.run(from_dict(scene))
-    assert found.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-10)
-    assert found.qoi["conversion_C"] == pytest.approx(2.0 / 3.0, abs=1e-10)
+    assert found.qoi["conversion_A"] == approx(1.0, abs=1e-10)
+    assert found.qoi["conversion_C"] == approx(2.0 / 3.0, abs=1e-10)
 
 
 def test_smooth_powers_of_a_formula():
@@ -123,8 +124,8 @@ def test_smooth_powers_of_a_formula():
     a, b = values["a"], values["b"]
     wanted = 2.0 * smooth(a, 0.02) + smooth(3.0 * b, 0.15) / a**1.5 - smooth(2.0, 0.01)
     # of 1e-14 in a**1.5
-    assert formula(values, small, sizes) == pytest.approx(wanted, rel=1e-9)
-    assert formula(values) == pytest.approx(
+    assert formula(values, small, sizes) == approx(wanted, rel=1e-9)
+    assert formula(values) == approx(
         2.0 * a**0.5 + (3.0 * b) ** 0.5 / a**1.5 - 2.0**0.5, rel=1e-9
     )
 
@@ -182,9 +183,7 @@ def test_powers_of_a_trace_in_time_stay(trace):
     scene["gas"]["composition"] = f"A:{trace}, B:{1.0 - trace}"
     set_keys(scene, "time = { end = 1.0 }")
     set_keys(scene, 'packed_bed.gas_storage = "quasi_steady"')
-    assert contbed.run(from_dict(scene)).qoi["x_A_out"] == pytest.approx(
-        0.1 * trace, rel=1e-6
-    )
+    assert contbed.run(from_dict(scene)).qoi["x_A_out"] == approx(0.1 * trace, rel=1e-6)
 
 
 METHANATION = """
@@ -249,5 +248,5 @@ def test_roots_are_sharp_behind_a_hot_spot():
     exact = solve_ivp(slopes, (0, 1.5), (0, 543.15), "LSODA", rtol=1e-9, max_step=5e-3)
     found = contbed.run(from_dict(scene_of(METHANATION)))
     wanted = exact.y[0, -1] / (flux * feed[k_CO2])
-    assert found.qoi["conversion_CO2"] == pytest.approx(wanted, abs=1e-4)
-    assert found.qoi["hot_spot_K"] == pytest.approx(exact.y[1].max(), abs=2.0)
+    assert found.qoi["conversion_CO2"] == approx(wanted, abs=1e-4)
+    assert found.qoi["hot_spot_K"] == approx(exact.y[1].max(), abs=2.0)

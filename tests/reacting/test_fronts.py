@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pytest import approx
 from reacting_bed_scenes import isothermal, let_move, solids, species, table
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -77,11 +78,9 @@ def test_a_bed_is_hot_between_its_fronts(row, cells, sharp, off):
     x, T = result.profiles["x [m]"], result.profiles["T_fluid [K]"]
     place = (x - cold) / (reacted - cold)
     between = (place > 0.4) & (place < 0.7)
-    assert np.mean(T[between]) - T0 == pytest.approx(exact["dT"], rel=0.0, abs=off)
-    assert np.interp(0.5, result.profiles["w_S [1]"], x) == pytest.approx(
-        reacted, rel=1e-3
-    )
-    assert x[np.argmax(0.5 * exact["dT"] < T - T0)] == pytest.approx(cold, rel=1e-2)
+    assert np.mean(T[between]) - T0 == approx(exact["dT"], rel=0.0, abs=off)
+    assert np.interp(0.5, result.profiles["w_S [1]"], x) == approx(reacted, rel=1e-3)
+    assert x[np.argmax(0.5 * exact["dT"] < T - T0)] == approx(cold, rel=1e-2)
     assert_closed(result, 1e-12, "energy")
 
 
@@ -193,11 +192,11 @@ def test_what_the_width_of_ignition_changes(row):
     """At most 4e-3 of the speed of heat: less than cells do in the runs below; the
     closed form is that of no width.
     """
-    assert of_trajectory(row) == pytest.approx(row["omega"], rel=0.0, abs=4e-3)
+    assert of_trajectory(row) == approx(row["omega"], rel=0.0, abs=4e-3)
     s = 1.0 - row["omega"]
-    assert row["theta_i"] * s**2 + row["K"] * row["theta_i"] * s - row[
-        "K"
-    ] == pytest.approx(0.0, abs=1e-10)
+    assert row["theta_i"] * s**2 + row["K"] * row["theta_i"] * s - row["K"] == approx(
+        0.0, abs=1e-10
+    )
 
 
 @pytest.mark.slow
@@ -219,9 +218,9 @@ def test_speeds_of_catalytic_fronts(number, cells, length, travel, solids_speed,
     """
     row = CATALYTIC[number]
     omega, highest = ignited(row, cells, length, travel, solids_speed)
-    assert omega == pytest.approx(of_trajectory(row), rel=0.0, abs=off)
+    assert omega == approx(of_trajectory(row), rel=0.0, abs=off)
     if number < 2:  # heat of the start has left the bed
-        assert highest == pytest.approx(1.0 / (1.0 - omega), abs=5e-3)
+        assert highest == approx(1.0 / (1.0 - omega), abs=5e-3)
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from adsorption_scenes import adsorber
+from pytest import approx
 from reacting_bed_scenes import (
     MOLAR,
     N_SOLID,
@@ -89,7 +90,7 @@ def test_a_gas_in_the_pores_moves_and_decays_from_its_profile(tmp_path, directio
     assert np.abs(found.profiles["x_A [1]"] - exact).max() < 1e-2
     # kg of H per kg/mol of these species, all of what passes
     entered = 0.5 * MOLAR * after * RESIDENCE * 28.0
-    assert found.balances["H"]["in"] == pytest.approx(entered, rel=1e-12)
+    assert found.balances["H"]["in"] == approx(entered, rel=1e-12)
 
 
 def decaying(**time):
@@ -126,13 +127,13 @@ def test_solids_at_rest_decay_from_their_profile(tmp_path, by):
     found = solved(begins_with(decaying(), tmp_path, table))
     x = found.profiles["x [m]"]
     left = solved(decaying()).profiles["w_S [1]"][0]
-    assert found.profiles["n_S [mol/m3]"] / N_SOLID == pytest.approx(
+    assert found.profiles["n_S [mol/m3]"] / N_SOLID == approx(
         (0.2 + 0.6 * x) * left, abs=STEPS
     )
-    assert found.profiles["w_S [1]"] + found.profiles["w_P [1]"] == pytest.approx(
+    assert found.profiles["w_S [1]"] + found.profiles["w_P [1]"] == approx(
         1.0, abs=1e-12
     )
-    assert left == pytest.approx(np.exp(-1.0), abs=STEPS)
+    assert left == approx(np.exp(-1.0), abs=STEPS)
 
 
 def test_a_profile_of_temperature_moves_with_the_heat(tmp_path):
@@ -152,7 +153,7 @@ def test_a_profile_of_temperature_moves_with_the_heat(tmp_path):
     found = solved(
         begins_with(scene, tmp_path, "x [cm],T_fluid [degC]\n0,26.85\n20,126.85\n")
     )
-    assert found.profiles["T_solid [K]"] == pytest.approx(
+    assert found.profiles["T_solid [K]"] == approx(
         300.0 + 500.0 * (at - 0.1), abs=300.0 * STEPS
     )
 
@@ -216,7 +217,7 @@ def test_a_steady_state_stays(tmp_path, section):
     assert span > 30.0
     for key, size in (("T_fluid [K]", span), ("T_solid [K]", span), ("x_A [1]", 1.0)):
         # of interpolation and of steps
-        assert after[key] == pytest.approx(before[key], abs=2e-4 * size)
+        assert after[key] == approx(before[key], abs=2e-4 * size)
 
 
 def continued(tmp_path, scene, first, end):
@@ -264,7 +265,7 @@ def test_two_temperatures_go_on(tmp_path):
     whole, after = continued(tmp_path, scene, 2.0 / eta, 4.0 / eta)
     for key in ("T_fluid [K]", "T_solid [K]"):
         # 1e-3 of 300 K by interpolation
-        assert after[key] == pytest.approx(whole[key], abs=0.3)
+        assert after[key] == approx(whole[key], abs=0.3)
 
 
 @pytest.mark.parametrize("capacity", [None, 2.0], ids=["linear", "langmuir"])
@@ -275,7 +276,7 @@ def test_particles_that_hold_gas_go_on(tmp_path, capacity):
     whole, after = continued(tmp_path, scene, 8.0 * unit, 12.0 * unit)
     key = "q_A [mol/kg]"
     # interpolation of the front
-    assert after[key] == pytest.approx(whole[key], abs=3e-3 * whole[key].max())
+    assert after[key] == approx(whole[key], abs=3e-3 * whole[key].max())
 
 
 def test_kinds_go_on_with_what_each_holds(tmp_path):
@@ -285,7 +286,7 @@ def test_kinds_go_on_with_what_each_holds(tmp_path):
     del scene["output"]["positions"]
     whole, after = continued(tmp_path, scene, 8.0 * unit, 12.0 * unit)
     for key in (key for key in whole if key.startswith("q_")):
-        assert after[key] == pytest.approx(whole[key], abs=5e-3 * whole[key].max())
+        assert after[key] == approx(whole[key], abs=5e-3 * whole[key].max())
 
 
 def test_rows_of_the_time_that_is_named(tmp_path):
@@ -295,7 +296,7 @@ def test_rows_of_the_time_that_is_named(tmp_path):
     early = plan(from_dict(begins_with(decaying(), tmp_path, table, time=0.0)))
     assert "start.csv at t = 0 s: n_S, n_P" in str(early)
     late = solved(begins_with(decaying(end=10.0), tmp_path, table))
-    assert late.profiles["w_S [1]"][0] == pytest.approx(0.5 * np.exp(-0.01), abs=1e-6)
+    assert late.profiles["w_S [1]"][0] == approx(0.5 * np.exp(-0.01), abs=1e-6)
     refused(
         r"start\.csv:1: no rows at t = 300 s; the file has t = 0, 600 s",
         lambda: from_dict(begins_with(decaying(), tmp_path, table, time=300.0)),
@@ -344,7 +345,7 @@ def test_loadings_give_the_concentrations_that_hold_them():
         }
         found = inside.concentrations(q, T_solid)
         for gas, value in c.items():
-            assert found[gas] == pytest.approx(value, rel=1e-12, abs=1e-13)
+            assert found[gas] == approx(value, rel=1e-12, abs=1e-13)
     full = Inside(
         ("A",),
         {"A": isotherms["A"]},
@@ -410,9 +411,7 @@ def test_particles_begin_in_equilibrium_with_the_gas_of_the_file(tmp_path):
         "x [m],T_fluid [K],x_A [1],x_N [1]\n0,300,1e-6,0.999999\n1,600,1e-6,0.999999\n",
         tmp_path,
     )
-    assert u["a_A_0"] == pytest.approx(
-        1e-6 * P / (R_GAS * (300.0 + 300.0 * x)), rel=1e-12
-    )
+    assert u["a_A_0"] == approx(1e-6 * P / (R_GAS * (300.0 + 300.0 * x)), rel=1e-12)
 
 
 def test_one_temperature_is_that_of_the_particles(tmp_path):
@@ -447,7 +446,7 @@ def test_gases_of_the_file_belong_to_the_bed(tmp_path):
     scene["time"] = {"end": 0.5 * RESIDENCE, "tolerance": 1e-3}
     set_keys(scene, 'packed_bed.gas_storage = "stored"')
     found = solved(begins_with(scene, tmp_path, "x [m],x_A [%]\n0,100\n1,100\n"))
-    assert found.qoi["x_A_out"] == pytest.approx(1.0, abs=1e-3)
+    assert found.qoi["x_A_out"] == approx(1.0, abs=1e-3)
 
 
 # bad tables

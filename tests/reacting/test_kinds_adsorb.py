@@ -17,6 +17,8 @@ from adsorption_scenes import (
     TRACE,
     adsorber,
 )
+from numpy.testing import assert_allclose
+from pytest import approx
 from reacting_bed_scenes import MOLAR, P, T, let_move, solids
 from scipy.linalg import expm
 from several_solids import SHARES, split
@@ -91,7 +93,7 @@ def test_steps_of_kinds_that_are_alike_are_those_of_one(level, gas):
     assert np.ptp(one["T_solid"]) > 1.0
     for name, values in one.items():
         for found in [name] if name in two else [f"{name}_{kind}" for kind in SHARES]:
-            assert two[found] == pytest.approx(values, rel=ROUNDING, abs=1e-12), found
+            assert two[found] == approx(values, rel=ROUNDING, abs=1e-12), found
 
 
 def moving(scene, speed=-3e-3):
@@ -112,9 +114,9 @@ def test_kinds_that_move_alike_are_one(level, speed):
             if key in two.profiles
             else [f"{name}_{kind} {unit}" for kind in SHARES]
         ):
-            assert two.profiles[column] == pytest.approx(
-                values, rel=ROUNDING, abs=1e-12
-            ), column
+            assert two.profiles[column] == approx(values, rel=ROUNDING, abs=1e-12), (
+                column
+            )
     assert np.ptp(one.profiles["q_A [mol/kg]"]) > 0.01
 
 
@@ -132,8 +134,8 @@ def test_beads_that_adsorb_nothing_dilute_those_that_do(level, monkeypatch):
     scene["packed_bed"]["porosity"] = 1.0 - 0.3 * (1.0 - EPS)
     one, two = solved(scene), solved(mixed)
     assert one.qoi["time_steps"] == two.qoi["time_steps"]
-    assert two.profiles["x_A [1]"] == pytest.approx(one.profiles["x_A [1]"], rel=1e-7)
-    assert two.profiles["q_A_sorbent [mol/kg]"] == pytest.approx(
+    assert two.profiles["x_A [1]"] == approx(one.profiles["x_A [1]"], rel=1e-7)
+    assert two.profiles["q_A_sorbent [mol/kg]"] == approx(
         one.profiles["q_A [mol/kg]"], rel=1e-7
     )
     assert 0.05 < one.profiles["x_A [1]"][-1] / TRACE < 0.95
@@ -205,9 +207,7 @@ def test_two_kinds_break_through_as_both_take_up(level, exact):
     times = MEAN * np.array([0.5, 0.8, 1.0, 1.2, 1.6])
     scene = unlike(level, end=times[-1], times=list(times[:-1]))
     found = solved(scene).profiles["x_A [1]"] / TRACE
-    np.testing.assert_allclose(
-        found, invert(lambda p: passes(p, exact), times), atol=1e-4
-    )
+    assert_allclose(found, invert(lambda p: passes(p, exact), times), atol=1e-4)
 
 
 def test_the_mean_breakthrough_is_what_both_hold():
@@ -216,7 +216,7 @@ def test_the_mean_breakthrough_is_what_both_hold():
     """
     outlet = solved(unlike("film", end=6.0 * MEAN)).tables["outlet"]
     t, missing = outlet["t [s]"], 1.0 - outlet["x_A [1]"] / TRACE
-    assert t[0] * missing[0] + np.trapezoid(missing, t) == pytest.approx(MEAN, rel=1e-3)
+    assert t[0] * missing[0] + np.trapezoid(missing, t) == approx(MEAN, rel=1e-3)
 
 
 def test_kinds_of_unlike_speed_in_a_steady_bed():
@@ -237,7 +237,7 @@ def test_kinds_of_unlike_speed_in_a_steady_bed():
     exact = through[0] @ [1.0, *enters]
     found = solved(scene).qoi["x_A_out"] / TRACE
     # the share by which the flow of the gas changes
-    assert found == pytest.approx(exact, abs=TRACE)
+    assert found == approx(exact, abs=TRACE)
     assert 0.05 < exact < 0.95
 
 
@@ -257,7 +257,7 @@ def test_derivatives_to_the_isotherm_of_one_kind():
     slope = (sides[1] - sides[0]) / (
         2e-4 * scene["solids"]["fine"]["adsorption"]["A"]["affinity"]
     )
-    assert found.derivatives[0, 0] == pytest.approx(slope, rel=1e-6)
+    assert found.derivatives[0, 0] == approx(slope, rel=1e-6)
 
 
 def test_each_kind_follows_its_isotherms():
@@ -279,13 +279,9 @@ def test_each_kind_follows_its_isotherms():
         split(scene, coarse={"adsorption": {"A": both["A"]}}, fine={"adsorption": both})
     ).profiles
     a, c = 2e-4 * 0.1 * P, 1e-4 * 0.1 * P
-    np.testing.assert_allclose(found["q_A_coarse [mol/kg]"], a / (1.0 + a), rtol=1e-10)
-    np.testing.assert_allclose(
-        found["q_A_fine [mol/kg]"], a / (1.0 + a + c), rtol=1e-10
-    )
-    np.testing.assert_allclose(
-        found["q_C_fine [mol/kg]"], 2.0 * c / (1.0 + a + c), rtol=1e-10
-    )
+    assert_allclose(found["q_A_coarse [mol/kg]"], a / (1.0 + a), rtol=1e-10)
+    assert_allclose(found["q_A_fine [mol/kg]"], a / (1.0 + a + c), rtol=1e-10)
+    assert_allclose(found["q_C_fine [mol/kg]"], 2.0 * c / (1.0 + a + c), rtol=1e-10)
     assert "q_C_coarse [mol/kg]" not in found
 
 
@@ -317,7 +313,7 @@ def test_a_catalyst_beside_a_sorbent():
     scene["closures"]["sherwood"] = 1e12  # of the catalyst, nothing resists there
     found = solved(scene).profiles["x_A [1]"] / TRACE
     fewer = lambda p: (passes(p, "effective") * p) ** (1.0 - share) / p  # noqa: E731
-    assert found == pytest.approx(
+    assert found == approx(
         np.exp(-Da) * invert(fewer, np.array([1.2 * MEAN])), abs=1e-4
     )
 

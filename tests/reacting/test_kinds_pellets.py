@@ -8,6 +8,7 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
+from pytest import approx
 from several_solids import SHARES, split_pellets
 from solving import solved
 from test_pellets import D_A, REFORMER, R, left, pellets
@@ -58,8 +59,8 @@ def test_kinds_that_are_alike_are_one():
             )
     for name in ("reforming", "shift", "total"):
         extent = one.qoi[f"extent_{name}_mol_m2s"]
-        assert two.qoi[f"extent_{name}_mol_m2s"] == pytest.approx(extent, rel=ROUNDING)
-        assert two.qoi[f"extent_{name}_coarse_mol_m2s"] == pytest.approx(
+        assert two.qoi[f"extent_{name}_mol_m2s"] == approx(extent, rel=ROUNDING)
+        assert two.qoi[f"extent_{name}_coarse_mol_m2s"] == approx(
             SHARES["coarse"] * extent, rel=ROUNDING
         )
     assert 0.05 < one.qoi["conversion_CH4"] < 0.5
@@ -75,9 +76,7 @@ def test_beads_dilute_a_catalyst():
         beads={"inside": {"diffusivity": {}}},
     )
     result = solved(scene)
-    assert result.qoi["x_A_out"] == pytest.approx(
-        left(k * L, share * sphere(phi)), rel=SHELLS
-    )
+    assert result.qoi["x_A_out"] == approx(left(k * L, share * sphere(phi)), rel=SHELLS)
     told = dict(result.plan.built)["intrapellet diffusion"]
     assert told.startswith(
         "diffusion and reaction of A, B in catalyst; effectiveness at the inlet: r 0.48"
@@ -107,7 +106,7 @@ def test_each_kind_has_its_size_and_diffusivities():
             "sherwood": 2.0 * Bi[kind] * inside / gas,
         }
     scene["mesh"]["length"] = L = 1.0 / (0.6 * k * total / 0.5)
-    assert solved(split_pellets(scene, **changes)).qoi["x_A_out"] == pytest.approx(
+    assert solved(split_pellets(scene, **changes)).qoi["x_A_out"] == approx(
         left(k * L, total), rel=SHELLS
     )
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pytest import approx
 from reacting_bed_scenes import isothermal, species
 
 import contbed
@@ -60,7 +61,7 @@ def test_first_order(phi):
     scene["mesh"]["length"] = L = min(1.0, 1.0 / (0.6 * k * sphere(phi) / 0.5))
     result = contbed.run(from_dict(scene))
     # 3e-6 of the effectiveness by the shells
-    assert result.qoi["x_A_out"] == pytest.approx(left(k * L, sphere(phi)), rel=1e-5)
+    assert result.qoi["x_A_out"] == approx(left(k * L, sphere(phi)), rel=1e-5)
 
 
 def test_reversible_first_order():
@@ -72,7 +73,7 @@ def test_reversible_first_order():
     equal = 1.0 / (1.0 + K)  # share of A at equilibrium
     exact = equal + (1.0 - equal) * left(k * L * (1.0 + 1.0 / K), eta)
     result = contbed.run(from_dict(scene))
-    assert result.qoi["x_A_out"] == pytest.approx(exact, rel=1e-5)
+    assert result.qoi["x_A_out"] == approx(exact, rel=1e-5)
 
 
 def test_thiele_where_a_reaction_runs_back():
@@ -91,7 +92,7 @@ def test_thiele_where_a_reaction_runs_back():
             float(problem.bed.rates(state, problem.bed.medium.at(state))[0][0])
         )
     assert rates[0] < 0.0
-    assert rates[1] / rates[0] == pytest.approx(sphere(phi / np.sqrt(K)), rel=1e-12)
+    assert rates[1] / rates[0] == approx(sphere(phi / np.sqrt(K)), rel=1e-12)
 
 
 REFORMER = scene_of(
@@ -151,7 +152,7 @@ def test_derivatives_of_mean_rates():
         for k, rate in enumerate(found):
             slope = (sides[0][k] - sides[1][k]) / (2.0 * h)
             # differences err by the square of 1e-4
-            assert rate.tangents[key][0] == pytest.approx(float(slope[0]), rel=1e-5), (
+            assert rate.tangents[key][0] == approx(float(slope[0]), rel=1e-5), (
                 key,
                 k,
             )
@@ -222,7 +223,7 @@ def test_derivatives_of_a_bed_whose_level_was_chosen():
         from_dict(scene), ["x_A_out"], ["reactions.r.parameters.k"]
     ).derivatives[0, 0]
     # resolved pellets have 2 (1 - eta) = 0.5 % less
-    assert found == pytest.approx(-left(k * L, 1.0) * 0.6 * L / 0.5, rel=1e-4)
+    assert found == approx(-left(k * L, 1.0) * 0.6 * L / 0.5, rel=1e-4)
 
 
 def test_what_cannot_be_judged_is_resolved():

@@ -8,6 +8,7 @@ import warnings
 
 import numpy as np
 import pytest
+from pytest import approx
 from reacting_bed_scenes import MOLAR, T, isothermal, let_move, solids, species
 from several_solids import split
 from solving import CLOSED
@@ -45,7 +46,7 @@ def test_rates_that_run_back_may_be_negative():
     """B alone enters, and becomes A as by an equilibrium; to the error of 8 cells."""
     result = contbed.run(bed("c_A - c_B", "B:1"))
     assert result.status == "ok"
-    assert result.qoi["x_A_out"] == pytest.approx(
+    assert result.qoi["x_A_out"] == approx(
         0.5 * (1.0 - 2.718281828 ** (-2.0 * 0.4 / 0.5)), abs=1e-5
     )
 
@@ -126,14 +127,14 @@ def test_the_advice_ends_the_rate():
     )
     result = contbed.run(scene)
     assert result.status == "ok"
-    assert result.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-9)
+    assert result.qoi["conversion_A"] == approx(1.0, abs=1e-9)
 
 
 def test_a_constant_rate_of_what_is_left_is_exact():
     """The same rate in half of the bed's gas: A falls by a straight line."""
     rate = 0.8 * 0.5 * MOLAR / 0.4
     result = contbed.run(bed(str(rate)))
-    assert result.qoi["conversion_A"] == pytest.approx(0.8, abs=1e-10)
+    assert result.qoi["conversion_A"] == approx(0.8, abs=1e-10)
     assert not result.warnings
 
 
@@ -232,7 +233,7 @@ def test_a_negative_order_in_what_does_not_enter_is_infinite():
         reactions = { r = { equation = "A -> B", rate = "c_A/sqrt(c_B + 1e-6)" } }
         """,
     )
-    assert advised.qoi["conversion_A"] == pytest.approx(
+    assert advised.qoi["conversion_A"] == approx(
         contbed.run(from_dict(scene)).qoi["conversion_A"], rel=1e-9
     )
     assert 0.1 < advised.qoi["conversion_A"] < 1.0
@@ -361,7 +362,7 @@ def test_a_constant_rate_in_resolved_pellets():
         """,
     )
     result = contbed.run(from_dict(scene))
-    assert result.qoi["conversion_A"] == pytest.approx(0.6 / (0.5 * MOLAR), rel=1e-10)
+    assert result.qoi["conversion_A"] == approx(0.6 / (0.5 * MOLAR), rel=1e-10)
 
 
 def test_sections_are_looked_at_ring_by_ring():

@@ -9,6 +9,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 from adsorption_scenes import adsorber
+from pytest import approx
 from reacting_bed_scenes import MOLAR, heated, isothermal, looping, species, switched
 from solving import solved
 
@@ -76,7 +77,7 @@ def test_a_regenerator():
         float(weights @ (middle - end)) / 300.0 * row["Lambda_hot"] / row["Pi_hot"]
     )
     # steps to a local error of 1e-4
-    assert charged == pytest.approx(row["effectiveness_hot"], abs=2e-4)
+    assert charged == approx(row["effectiveness_hot"], abs=2e-4)
     assert (
         found.qoi["cycle_change_K"] <= TOLERANCE * 300.0
         and found.qoi["cycle_periods"] < 20
@@ -93,13 +94,11 @@ def test_solids_that_are_reduced_and_oxidised_against_plain_repetition(monkeypat
         # the change falls by 0.3 a period: what is left is below 2 of the tolerance,
         # over 0.3 of what reacts
         size = max(np.abs(plain.profiles[key]).max(), 1.0)
-        assert found.profiles[key] == pytest.approx(
-            plain.profiles[key], abs=1e-6 * size
-        )
+        assert found.profiles[key] == approx(plain.profiles[key], abs=1e-6 * size)
     assert found.qoi["cycle_periods"] < plain.qoi["cycle_periods"]
     # what is at rest is that of the start, and what one half gives the other takes
     total = found.profiles["n_S [mol/m3]"] + found.profiles["n_P [mol/m3]"]
-    assert total == pytest.approx(total[0], rel=1e-12)
+    assert total == approx(total[0], rel=1e-12)
     reduced, oxidised = (
         found.qoi[f"extent_{name}_mol_m2s"] for name in ("reduction", "oxidation")
     )
@@ -150,7 +149,7 @@ def test_a_hot_zone_between_two_directions_of_flow():
     middle, end = found.profiles["T_solid [K]"].reshape(2, -1)
     assert end.max() > 450.0  # ignited: what enters has 350 K and could rise by 100 K
     # both halves are mirror images: the first ends as the second from the other side
-    assert middle == pytest.approx(end[::-1], abs=0.3)  # 1e-3 of 300 K by steps
+    assert middle == approx(end[::-1], abs=0.3)  # 1e-3 of 300 K by steps
 
 
 def search(course):
@@ -191,12 +190,12 @@ def test_a_bed_that_adsorbs_and_is_flushed_against_marching(isotherm):
     found, after = solved(scene), marched(scene, 12)
     key = "q_A [mol/kg]"
     # of steps
-    assert found.profiles[key] == pytest.approx(
+    assert found.profiles[key] == approx(
         after.profiles[key], abs=2e-3 * after.profiles[key].max()
     )
     carbon = found.balances["C"]
     assert abs(carbon["stored"]) < 10.0 * TOLERANCE * carbon["in"]
-    assert carbon["in"] == pytest.approx(carbon["out"], rel=10.0 * TOLERANCE)
+    assert carbon["in"] == approx(carbon["out"], rel=10.0 * TOLERANCE)
 
 
 @pytest.mark.slow
@@ -216,9 +215,7 @@ def test_a_gas_in_the_pores_against_marching():
     )
     found, after = solved(scene), marched(scene, 6)
     # of steps
-    assert found.profiles["x_A [1]"] == pytest.approx(
-        after.profiles["x_A [1]"], abs=2e-3
-    )
+    assert found.profiles["x_A [1]"] == approx(after.profiles["x_A [1]"], abs=2e-3)
     assert found.qoi["cycle_periods"] <= 12
 
 
@@ -230,7 +227,7 @@ def test_kept_steps_that_miss_more_than_allowed_are_chosen_anew(monkeypatch):
     wanted = solved(looping())
     monkeypatch.setattr(periodic, "ADAPTIVE", 1)
     found = solved(looping())
-    assert found.profiles["n_S [mol/m3]"] == pytest.approx(
+    assert found.profiles["n_S [mol/m3]"] == approx(
         wanted.profiles["n_S [mol/m3]"], rel=2e-3, abs=10.0
     )
     errors = []
@@ -285,7 +282,7 @@ def test_an_extrapolation_that_changes_much_more_is_given_up_for_the_best_period
     monkeypatch.setattr(Anderson, "__call__", wild)
     found = search(course)
     assert found[3].largest > periodic.GROWN * found[2].largest
-    assert found[4].history.held == pytest.approx(
+    assert found[4].history.held == approx(
         contents(course.problem, found[2].history.state), rel=1e-12
     )
     assert found[-1].closed
@@ -298,13 +295,13 @@ def test_extrapolated_states_stay_within_their_bounds_node_by_node():
     u[P], u[S] = 0.25 * u[S], 0.75 * u[S]
     stored = cycle.Stored.of(problem, course.sizes(u))
     wanted = stored.values(u)
-    assert wanted.shape[0] == 2 and wanted.sum(axis=0) == pytest.approx(1.0)
+    assert wanted.shape[0] == 2 and wanted.sum(axis=0) == approx(1.0)
     wanted[:, 2, 1] = [1.5, -0.5]  # beyond: P would be below zero
     wanted[:, 3, 0] = [0.1, 0.9]
     found = stored.values(stored.bounded(wanted, u))
-    assert found[:, 2, 1] == pytest.approx([1.0, 0.0], abs=1e-15)
-    assert found[:, 3, 0] == pytest.approx([0.1, 0.9])
-    assert found.sum(axis=0) == pytest.approx(1.0, abs=1e-15)
+    assert found[:, 2, 1] == approx([1.0, 0.0], abs=1e-15)
+    assert found[:, 3, 0] == approx([0.1, 0.9])
+    assert found.sum(axis=0) == approx(1.0, abs=1e-15)
     others = np.ones(found.shape[1:], dtype=bool)
     others[2, 1] = others[3, 0] = False
     assert np.array_equal(found[:, others], stored.values(u)[:, others])
@@ -333,11 +330,11 @@ def test_extrapolated_temperatures_and_fractions_stay_within_their_bounds():
     wanted[2, 1, 0] += 2.0  # of 300 K: further than half of it
     out = stored.bounded(wanted, u)
     found = stored.values(out)
-    assert found[:2, 0, 0] == pytest.approx([1.0, 0.0], abs=1e-15)
-    assert found[:2].sum(axis=0) == pytest.approx(1.0, abs=1e-15)
-    assert found[2, 1, 0] == pytest.approx(1.0 + cycle.BEYOND)
+    assert found[:2, 0, 0] == approx([1.0, 0.0], abs=1e-15)
+    assert found[:2].sum(axis=0) == approx(1.0, abs=1e-15)
+    assert found[2, 1, 0] == approx(1.0 + cycle.BEYOND)
     # the flux of the gas is that it had
-    assert out[:2].sum(axis=0) == pytest.approx(u[:2].sum(axis=0), rel=1e-14)
+    assert out[:2].sum(axis=0) == approx(u[:2].sum(axis=0), rel=1e-14)
 
 
 @pytest.mark.slow
@@ -442,7 +439,7 @@ def test_a_bed_that_stores_nothing_closes_in_its_first_period():
     found = solved(following("c_A"))
     assert found.qoi["cycle_periods"] == 1 and found.qoi["cycle_change"] == 0.0
     # plug flow, to the error of 8 cells
-    assert found.qoi["x_A_out"] == pytest.approx(np.exp(-0.4 / 0.5), abs=1e-6)
+    assert found.qoi["x_A_out"] == approx(np.exp(-0.4 / 0.5), abs=1e-6)
 
 
 def test_a_cycle_that_was_found_is_told_at_other_times(tmp_path):
@@ -455,9 +452,7 @@ def test_a_cycle_that_was_found_is_told_at_other_times(tmp_path):
     assert again.qoi["cycle_periods"] == 1
     wanted = solved(scene)
     # nothing is stored
-    assert again.profiles["x_A [1]"] == pytest.approx(
-        wanted.profiles["x_A [1]"], rel=1e-12
-    )
+    assert again.profiles["x_A [1]"] == approx(wanted.profiles["x_A [1]"], rel=1e-12)
     assert sorted(set(again.profiles["t [s]"])) == [0.5, 1.5, 2.0]
 
 
@@ -488,5 +483,5 @@ def test_a_balance_counts_both_ways_at_an_end():
     gas["composition"], gas["velocity"] = "A:1", switched([0.5, -0.5], 1.0)
     scene["boundary"]["right"] = {"gas": {"composition": "B:1", "temperature": 500.0}}
     found = solved(scene).balances["H"]
-    assert found["in"] == pytest.approx(2.0 * 0.5 * MOLAR * 28.0, rel=1e-12)
-    assert found["out"] == pytest.approx(found["in"], rel=1e-12)
+    assert found["in"] == approx(2.0 * 0.5 * MOLAR * 28.0, rel=1e-12)
+    assert found["out"] == approx(found["in"], rel=1e-12)

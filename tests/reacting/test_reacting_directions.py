@@ -5,7 +5,7 @@ inside.
 from __future__ import annotations
 
 import numpy as np
-import pytest
+from pytest import approx
 from reacting_bed_scenes import (
     bilinear,
     danckwerts,
@@ -38,7 +38,7 @@ def test_a_mirrored_bed_gives_the_same():
     }
     ours, mirrored = cb.run(scene), cb.run(from_dict(values))
     for key in RESULTS:
-        assert mirrored.qoi[key] == pytest.approx(ours.qoi[key], rel=1e-9), key
+        assert mirrored.qoi[key] == approx(ours.qoi[key], rel=1e-9), key
 
 
 def test_streams_along_each_other():
@@ -46,8 +46,8 @@ def test_streams_along_each_other():
     scene = bilinear(3.0, 1.0)
     scene["boundary"]["left"]["solids"] = scene["boundary"].pop("right")["solids"]
     qoi = cb.run(from_dict(scene)).qoi
-    assert qoi["x_A_out"] == pytest.approx(0.25, abs=1e-8)
-    assert 1.0 - qoi["conversion_S"] == pytest.approx(0.25, abs=1e-8)
+    assert qoi["x_A_out"] == approx(0.25, abs=1e-8)
+    assert 1.0 - qoi["conversion_S"] == approx(0.25, abs=1e-8)
 
 
 def test_known_composition_inside_of_the_inlet():
@@ -61,7 +61,7 @@ def test_known_composition_inside_of_the_inlet():
     # c = A e^(p z) + B e^(m z) with c(0) = 1 and c'(1) = 0
     A = -m * np.exp(m) / (p * np.exp(p) - m * np.exp(m))
     exact = A * np.exp(p) + (1.0 - A) * np.exp(m)
-    assert result.profiles["x_A [1]"] == pytest.approx([1.0, exact], abs=1e-6)
+    assert result.profiles["x_A [1]"] == approx([1.0, exact], abs=1e-6)
     assert_closed(result, 1e-12, "H")
 
 
@@ -84,5 +84,5 @@ def test_particles_that_move_without_reacting_carry_heat():
     scene["heat"] = {}
     scene["closures"] |= {"nusselt": 3.0 * capacity / L / (6.0 * 0.6 / d) * d / 0.03}
     result = cb.run(from_dict(scene))
-    assert result.qoi["T_fluid_out_K"] == pytest.approx(400.0 + 400.0 * 0.75, abs=1e-5)
-    assert result.qoi["T_solid_out_K"] == pytest.approx(800.0 - 400.0 * 0.75, abs=1e-5)
+    assert result.qoi["T_fluid_out_K"] == approx(400.0 + 400.0 * 0.75, abs=1e-5)
+    assert result.qoi["T_solid_out_K"] == approx(800.0 - 400.0 * 0.75, abs=1e-5)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pytest import approx
 from reacting_bed_scenes import (
     bilinear,
     danckwerts,
@@ -37,9 +38,9 @@ def test_first_order_with_dispersion(row):
     scene = danckwerts(row["Pe"], row["Da"])
     set_keys(scene, "output.positions = [0.0, 0.5, 1.0]")
     result = solved(scene)
-    assert result.qoi["x_A_out"] == pytest.approx(row["c1"], abs=DIGITS)
+    assert result.qoi["x_A_out"] == approx(row["c1"], abs=DIGITS)
     # inside of a cell the polynomials are of order 4
-    assert list(result.profiles["x_A [1]"]) == pytest.approx(
+    assert list(result.profiles["x_A [1]"]) == approx(
         [row["c0"], row["c_half"], row["c1"]], rel=1e-5
     )
 
@@ -49,8 +50,8 @@ def test_first_order_with_dispersion(row):
 )
 def test_change_of_moles(row):
     result = solved(expansion(row["e"], row["Da"]))
-    assert result.qoi["conversion_A"] == pytest.approx(row["conversion"], rel=DIGITS)
-    assert result.qoi["u_out_m_s"] / result.qoi["u_in_m_s"] == pytest.approx(
+    assert result.qoi["conversion_A"] == approx(row["conversion"], rel=DIGITS)
+    assert result.qoi["u_out_m_s"] / result.qoi["u_in_m_s"] == approx(
         row["velocity_ratio"], rel=1e-6
     )
 
@@ -60,8 +61,8 @@ def test_change_of_moles(row):
 )
 def test_pressure_of_an_isothermal_gas(row):
     result = solved(ergun(row))
-    assert result.qoi["p_out_Pa"] == pytest.approx(row["p_out_Pa"], rel=1e-10)
-    assert result.qoi["u_out_m_s"] == pytest.approx(row["u_out_m_s"], rel=1e-7)
+    assert result.qoi["p_out_Pa"] == approx(row["p_out_Pa"], rel=1e-10)
+    assert result.qoi["u_out_m_s"] == approx(row["u_out_m_s"], rel=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -72,11 +73,9 @@ def test_pressure_of_an_isothermal_gas(row):
 def test_counter_current_bilinear(row):
     result = solved(bilinear(row["N"], row["r"]))
     gas_in = result.qoi["out_A_mol_m2s"] + result.qoi["out_B_mol_m2s"]
-    assert result.qoi["out_A_mol_m2s"] / gas_in == pytest.approx(
-        row["gas_out"], abs=DIGITS
-    )
+    assert result.qoi["out_A_mol_m2s"] / gas_in == approx(row["gas_out"], abs=DIGITS)
     left = 1.0 - result.qoi["conversion_S"]
-    assert left == pytest.approx(row["solid_out_over_in"], abs=DIGITS)
+    assert left == approx(row["solid_out_over_in"], abs=DIGITS)
 
 
 @pytest.mark.parametrize(
@@ -89,8 +88,8 @@ def test_counter_current_shrinking_core(row):
     gas = result.qoi["out_A_mol_m2s"] / (
         result.qoi["out_A_mol_m2s"] + result.qoi["out_B_mol_m2s"]
     )
-    assert gas == pytest.approx(row["gas_out"], abs=FRONT)
-    assert result.qoi["conversion_S"] == pytest.approx(row["X_out"], abs=FRONT)
+    assert gas == approx(row["gas_out"], abs=FRONT)
+    assert result.qoi["conversion_S"] == approx(row["X_out"], abs=FRONT)
 
 
 @pytest.mark.parametrize(
@@ -102,8 +101,8 @@ def test_shift_ends_in_equilibrium(row):
     )
     qoi = solved(scene).qoi
     for name in ("CO", "H2O", "CO2", "H2"):
-        assert qoi[f"x_{name}_out"] == pytest.approx(row[f"x_{name}"], rel=1e-8)
-    assert qoi["Q_over_K_shift"] == pytest.approx(1.0, abs=1e-8)
+        assert qoi[f"x_{name}_out"] == approx(row[f"x_{name}"], rel=1e-8)
+    assert qoi["Q_over_K_shift"] == approx(1.0, abs=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -116,7 +115,7 @@ def test_reforming_ends_in_equilibrium(row):
     }
     qoi = solved(equilibrium("CH4:1, H2O:3", row["p_Pa"], row["T_K"], equations)).qoi
     for name in ("CH4", "CO", "H2O", "CO2", "H2"):
-        assert qoi[f"x_{name}_out"] == pytest.approx(row[f"x_{name}"], rel=1e-8)
+        assert qoi[f"x_{name}_out"] == approx(row[f"x_{name}"], rel=1e-8)
 
 
 def test_inert_gases_have_no_conversion():
@@ -150,7 +149,7 @@ def test_what_smooth_powers_change_is_estimated(shares, within):
         solve.what_leaves(problem, sharp) - solve.what_leaves(smooth, u)
     ).max()
     assert change > 1e-8
-    assert solve.smoothing_changes(smooth, u, solve.Report()) == pytest.approx(
+    assert solve.smoothing_changes(smooth, u, solve.Report()) == approx(
         change, rel=within
     )
 
@@ -169,5 +168,5 @@ reactions.none = { equation = "2 H2O -> 2 H2 + O2", law = "power", A = 0, E = 0 
 """
         )
     )
-    assert found.qoi["x_H2O_out"] == pytest.approx(1.0, rel=1e-12)
+    assert found.qoi["x_H2O_out"] == approx(1.0, rel=1e-12)
     assert not [name for name in found.qoi if name.endswith("_dry")]

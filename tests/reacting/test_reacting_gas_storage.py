@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from reacting_bed_scenes import (
     MOLAR,
     danckwerts,
@@ -69,7 +70,7 @@ def test_a_step_through_a_vessel_with_dispersion(Pe, Da):
     result = contbed.run(from_dict(dispersed(Pe, Da, times=list(times * RESIDENCE))))
     exact = invert(vessel(Pe, Da), times)
     # steps to a local tolerance of 1e-4; the largest error found is 3e-5
-    np.testing.assert_allclose(result.profiles["x_A [1]"], exact, atol=1e-4)
+    assert_allclose(result.profiles["x_A [1]"], exact, atol=1e-4)
     assert_closed(result, CLOSED, "H")
 
 
@@ -107,8 +108,8 @@ def test_rounding_does_not_decide_the_steps(monkeypatch):
     monkeypatch.setattr(System, "assemble", rounded)
     other = contbed.run(from_dict(scene)).tables["outlet"]
     assert len(plain["t [s]"]) > 30
-    np.testing.assert_array_equal(other["t [s]"], plain["t [s]"])
-    np.testing.assert_allclose(other["T_fluid [K]"], plain["T_fluid [K]"], rtol=1e-10)
+    assert_array_equal(other["t [s]"], plain["t [s]"])
+    assert_allclose(other["T_fluid [K]"], plain["T_fluid [K]"], rtol=1e-10)
 
 
 def marched(course, steps):

@@ -5,6 +5,7 @@ by collocation.
 from __future__ import annotations
 
 import pytest
+from pytest import approx
 from reacting_bed_scenes import ignition, table
 
 import contbed
@@ -50,13 +51,11 @@ def test_folds_and_states(bed, cells):
         scene["mesh"]["cells"] = cells
     result = contbed.run(from_dict(scene))
     # the table's extinction agrees to 2e-7 between its two grids, its ignition to 1e-12
-    assert result.qoi["fold_1"] == pytest.approx(on["Da"], rel=1e-7)
-    assert result.qoi["fold_2"] == pytest.approx(off["Da"], rel=1e-6)
+    assert result.qoi["fold_1"] == approx(on["Da"], rel=1e-7)
+    assert result.qoi["fold_2"] == approx(off["Da"], rel=1e-6)
     assert result.qoi["steady_states_found"] == len(states)
     left = sorted(result.tables["states"]["x_A_out [1]"], reverse=True)
-    assert [1.0 - x for x in left] == pytest.approx(
-        [row["X_out"] for row in states], abs=1e-7
-    )
+    assert [1.0 - x for x in left] == approx([row["X_out"] for row in states], abs=1e-7)
 
 
 def test_a_bed_without_fold_has_one_state():
@@ -97,8 +96,8 @@ def test_folds_of_rings_alike_are_those_of_the_bed():
     scene["continuation"] = {"parameter": "reactions.r.factor", "to": 2.0 * on["Da"]}
     scene["mesh"]["cells"] = CELLS
     result = contbed.run(from_dict(scene))
-    assert result.qoi["fold_1"] == pytest.approx(on["Da"], rel=1e-7)
-    assert result.qoi["fold_2"] == pytest.approx(off["Da"], rel=1e-6)
+    assert result.qoi["fold_1"] == approx(on["Da"], rel=1e-7)
+    assert result.qoi["fold_2"] == approx(off["Da"], rel=1e-6)
 
 
 @pytest.mark.slow
@@ -124,7 +123,7 @@ def test_fold_of_a_cooled_section_comes_to_that_of_one_dimension():
         folds.append(contbed.run(from_dict(scene)).qoi["fold_1"])
     adiabatic = rows_of((5.0, 5.0, 10.0, 20.0), "ignition")[0]["Da"]
     assert folds[0] > 1.2 * adiabatic
-    assert folds[1] == pytest.approx(folds[0], rel=1e-4)
+    assert folds[1] == approx(folds[0], rel=1e-4)
 
 
 def test_a_branch_that_does_not_reach_the_value_of_its_states_says_so():

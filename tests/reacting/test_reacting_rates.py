@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pytest import approx
 from reacting_bed_scenes import danckwerts, isothermal, species
 
 import contbed
@@ -39,7 +40,7 @@ def test_film_in_series_with_a_first_order_rate():
     scene["gas"]["diffusivity"] = D
     set_keys(scene, "closures.sherwood = 4.0")
     film = 4.0 * D / d * 6.0 / d  # per volume of particles [1/s]
-    assert left(scene) == pytest.approx(
+    assert left(scene) == approx(
         np.exp(-exponent(1.0 / (1.0 / 20.0 + 1.0 / film))), rel=1e-8
     )
 
@@ -49,9 +50,7 @@ def test_effectiveness_of_spheres():
     scene = catalytic(diffusivity=D_e)
     set_keys(scene, 'solids.particles.inside = { mass = "effectiveness" }')
     phi = R * np.sqrt(20.0 / D_e)
-    assert left(scene) == pytest.approx(
-        np.exp(-exponent(20.0 * float(sphere(phi)))), rel=1e-8
-    )
+    assert left(scene) == approx(np.exp(-exponent(20.0 * float(sphere(phi)))), rel=1e-8)
 
 
 def test_effectiveness_with_a_film_is_the_overall_one():
@@ -62,7 +61,7 @@ def test_effectiveness_with_a_film_is_the_overall_one():
     set_keys(scene, "closures.sherwood = 4.0")
     phi, biot = R * np.sqrt(20.0 / D_e), 4.0 * D / (2.0 * R) * R / D_e
     eta = float(overall(sphere(phi), phi, biot))
-    assert left(scene) == pytest.approx(np.exp(-exponent(20.0 * eta)), rel=1e-8)
+    assert left(scene) == approx(np.exp(-exponent(20.0 * eta)), rel=1e-8)
 
 
 def test_a_formula_gives_what_the_law_gives():
@@ -77,14 +76,14 @@ def test_a_formula_gives_what_the_law_gives():
             "parameters": {"k": f"{k} 1/s"},
         }
     }
-    assert left(written) == pytest.approx(left(scene), rel=1e-12)
+    assert left(written) == approx(left(scene), rel=1e-12)
     # 1 mol/m3/s is 3.6 kmol/m3/h
     written["reactions"]["r"] |= {
         "unit": "kmol/m**3/h",
         "rate": "k*c_A*3.6",
         "parameters": {"k": k},
     }
-    assert left(written) == pytest.approx(left(scene), rel=1e-12)
+    assert left(written) == approx(left(scene), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -99,10 +98,8 @@ def test_a_formula_gives_what_the_law_gives():
 )
 def test_formulas(text, value):
     formula = parse_formula(text)
-    assert float(formula({"x": 3.0})) == pytest.approx(value, rel=1e-12)
+    assert float(formula({"x": 3.0})) == approx(value, rel=1e-12)
     dual = formula({"x": Dual(np.array([3.0]), {"x": np.array([1.0])})})
     step = 1e-6
     slope = (formula({"x": 3.0 + step}) - formula({"x": 3.0 - step})) / (2.0 * step)
-    assert float(dual.tangents.get("x", [0.0])[0]) == pytest.approx(
-        slope, rel=1e-7, abs=1e-9
-    )
+    assert float(dual.tangents.get("x", [0.0])[0]) == approx(slope, rel=1e-7, abs=1e-9)

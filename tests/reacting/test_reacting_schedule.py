@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pytest import approx
 from reacting_bed_scenes import T, bilinear, fixed_bed, heated, schumann
 from scipy.integrate import quad
 
@@ -35,9 +36,7 @@ def test_steps_of_the_inlet_temperature_superpose():
     scene["time"] |= {"end": end, "times": [jump]}
     result = contbed.run(from_dict(scene))
     exact = 300.0 * schumann(4.0, 5.0) - 200.0 * schumann(4.0, 3.0)
-    assert result.qoi["T_fluid_out_K"] - 300.0 == pytest.approx(
-        exact, abs=300.0 * STEPS
-    )
+    assert result.qoi["T_fluid_out_K"] - 300.0 == approx(exact, abs=300.0 * STEPS)
     assert jump in result.tables["outlet"]["t [s]"]
     closes(result)
 
@@ -70,7 +69,7 @@ def test_jumps_at_all_but_the_same_time_are_one(later):
         found.append((qoi["T_fluid_out_K"], qoi["time_steps"]))
     # the same steps, each longer or shorter by that share, of a temperature that
     # changes by some 200 K in the run
-    assert found[1][0] == pytest.approx(found[0][0], rel=1e-8, abs=200.0 * later)
+    assert found[1][0] == approx(found[0][0], rel=1e-8, abs=200.0 * later)
     # one between times that are two, or those that grow from the first step to the time
     # between where that is longer; none that are halved towards a jump
     most = {1e-6: 2, 1e-5: 4}.get(later, 1)
@@ -100,7 +99,7 @@ def test_totals_of_flows_that_cancel_close():
     set_keys(scene, 'packed_bed.gas_storage = "quasi_steady"')
     result = contbed.run(from_dict(scene))
     moles = 0.5 * end / 3.0 / 1e-3  # of H, 1 g/mol as in all molecules here
-    assert result.balances["H"]["in"] == pytest.approx(2.0 * moles, rel=1e-10)
+    assert result.balances["H"]["in"] == approx(2.0 * moles, rel=1e-10)
     closes(result)
 
 
@@ -150,9 +149,7 @@ def test_a_ramp_of_the_inlet_temperature():
     scene["time"]["end"] = end
     result = contbed.run(from_dict(scene))
     exact = 300.0 * quad(lambda eta: schumann(4.0, eta) / 5.0, 0.0, 5.0)[0]
-    assert result.qoi["T_fluid_out_K"] - 300.0 == pytest.approx(
-        exact, abs=300.0 * STEPS
-    )
+    assert result.qoi["T_fluid_out_K"] - 300.0 == approx(exact, abs=300.0 * STEPS)
     closes(result)
 
 
@@ -187,7 +184,7 @@ def test_small_kinks_are_passed_within_the_error_of_a_step(form):
     ]
     outlet = result.tables["outlet"]
     found = np.interp(now, outlet["t [s]"], outlet["T_fluid [K]"])
-    assert found - 300.0 == pytest.approx(sum(parts), abs=400.0 * STEPS)
+    assert found - 300.0 == approx(sum(parts), abs=400.0 * STEPS)
     assert len(outlet["t [s]"]) < 300  # of 720 pieces
     closes(result)
 
@@ -228,9 +225,9 @@ def test_reversal_is_symmetric_and_closes():
         np.testing.assert_allclose(
             one.profiles[name], other.profiles[name][::-1], atol=1e-8
         )
-    assert one.qoi["u_in_m_s"] == pytest.approx(0.3)
+    assert one.qoi["u_in_m_s"] == approx(0.3)
     # the gas enters at the right now
-    assert one.profiles["x_A [1]"][-1] == pytest.approx(0.4, abs=1e-6)
+    assert one.profiles["x_A [1]"][-1] == approx(0.4, abs=1e-6)
 
 
 def test_composition_from_a_file(tmp_path):
@@ -264,9 +261,9 @@ def test_solids_that_start_to_move():
     result = contbed.run(from_dict(scene))
     closes(result)
     balance = result.balances["Fe"]
-    assert balance["in"] == pytest.approx(0.1 * 0.6 * 3000.0 / 0.1, rel=1e-10)
+    assert balance["in"] == approx(0.1 * 0.6 * 3000.0 / 0.1, rel=1e-10)
     # each mole of S that reacts becomes one of P
-    assert balance["out"] == pytest.approx(balance["in"], rel=1e-10)
+    assert balance["out"] == approx(balance["in"], rel=1e-10)
 
 
 @each_case(__file__, "mistakes")

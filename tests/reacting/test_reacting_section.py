@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from adsorption_scenes import TRACE, adsorber
 from manufactured_section import error, solution
+from pytest import approx
 from reacting_bed_scenes import R_GAS, P, T, isothermal, let_move
 from scipy.optimize import brentq
 from scipy.special import j0, j1
@@ -84,7 +85,7 @@ def test_plug_flow_between_walls(shape):
     coarse, fine = (
         solved(heated(rings, shape)).profiles["T_fluid [K]"] - exact for rings in (4, 8)
     )
-    assert np.all(np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1))
+    assert np.all(np.log2(coarse / fine) == approx(2.0, abs=0.1))
     assert np.abs(fine).max() < 0.5
 
 
@@ -104,11 +105,9 @@ def test_plug_flow_in_a_duct_is_that_of_two_planes():
         for key in ("", "_axis", "_wall")
     }
     assert np.all(share[""][1] < 0.95)
-    assert share[""][0] == pytest.approx(share[""][1] ** 2, abs=1e-6)
-    assert share["_axis"][0] == pytest.approx(share["_axis"][1] ** 2, abs=1e-6)
-    assert share["_wall"][0] == pytest.approx(
-        share["_wall"][1] * share["_axis"][1], abs=1e-6
-    )
+    assert share[""][0] == approx(share[""][1] ** 2, abs=1e-6)
+    assert share["_axis"][0] == approx(share["_axis"][1] ** 2, abs=1e-6)
+    assert share["_wall"][0] == approx(share["_wall"][1] * share["_axis"][1], abs=1e-6)
 
 
 def test_a_duct_is_the_same_along_y_and_z():
@@ -183,7 +182,7 @@ def test_the_wall_meets_the_outermost_ring():
             - K * (T_axis - 600.0) * rings.joins[0].area / rings.shares[1]
         )
 
-    assert gains(700.0) == pytest.approx(gains(500.0), rel=1e-12)
+    assert gains(700.0) == approx(gains(500.0), rel=1e-12)
 
 
 def test_dispersion_between_rings_moves_no_mass():
@@ -223,13 +222,13 @@ def test_temperature_of_the_wall_carries_its_heat():
     difference = (
         result.profiles["T_fluid_wall [K]"] - result.profiles["T_fluid_axis [K]"]
     )
-    assert difference == pytest.approx(300.0 * RADIUS / (2.0 * K), rel=1e-6)
+    assert difference == approx(300.0 * RADIUS / (2.0 * K), rel=1e-6)
 
 
 @pytest.mark.parametrize("shape", ["tube", "plane"])
 def test_order_across(shape):
     (coarse, _), (fine, iterations) = error(shape, 6, 3, 4), error(shape, 12, 3, 4)
-    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.15)
+    assert np.log2(coarse / fine) == approx(2.0, abs=0.15)
     assert iterations < 7  # the Jacobian is exact
 
 
@@ -271,7 +270,7 @@ def test_wide_dispersion_is_one_dimension():
     )
     for key in ("T_fluid_out_K", "x_B_out", "heat_wall_W"):
         assert 8.0 < (far[key] - one[key]) / (near[key] - one[key]) < 12.0
-        assert near[key] == pytest.approx(one[key], rel=1e-5)
+        assert near[key] == approx(one[key], rel=1e-5)
     assert 0.2 < one["x_B_out"] < 0.95
 
 
@@ -525,12 +524,10 @@ def test_plan_tells_whether_one_dimension_is_enough():
     """
     q = (T_WALL - T) / (1.0 / 50.0 + 0.25 * RADIUS / K)
     found = across(plan(from_dict(heated(4, reacts=400.0))).problem)
-    assert found.difference == pytest.approx(q * RADIUS / (2.0 * K), rel=1e-12)
+    assert found.difference == approx(q * RADIUS / (2.0 * K), rel=1e-12)
     # the concentration of an ideal gas falls with 1/T, so that its rate rises by E - R
     # T
-    assert found.limit == pytest.approx(
-        0.4 * R_GAS * T**2 / (3e4 - R_GAS * T), rel=1e-4
-    )
+    assert found.limit == approx(0.4 * R_GAS * T**2 / (3e4 - R_GAS * T), rel=1e-4)
     assert not found.fits
     scene = heated(0, wall=0.05, reacts=400.0)
     scene["gas"] |= {"viscosity": 3e-5, "conductivity": 0.05}

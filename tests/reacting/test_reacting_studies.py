@@ -5,6 +5,7 @@ that these have.
 from __future__ import annotations
 
 import pytest
+from pytest import approx
 
 import contbed as cb
 from studies.clc_moving_bed import study as clc
@@ -17,7 +18,7 @@ from tests.balances import assert_closed
 def test_reformer(case):
     result = cb.run(cb.load(reformer.HERE / f"{case}.toml"))
     for key, value in reformer.reference(case).items():
-        assert result.qoi[key] == pytest.approx(value, rel=1e-7), key
+        assert result.qoi[key] == approx(value, rel=1e-7), key
     assert_closed(result, 1e-12)
 
 
@@ -33,7 +34,7 @@ SHOOTING = {
 def test_moving_bed_of_iron_oxide():
     result = cb.run(cb.load(clc.HERE / "iron_oxide.toml"))
     for key, value in SHOOTING.items():
-        assert result.qoi[key] == pytest.approx(value, rel=1e-8), key
+        assert result.qoi[key] == approx(value, rel=1e-8), key
     assert_closed(result, 1e-12)
 
 
@@ -53,7 +54,7 @@ def test_moving_bed_with_more_methane_than_oxide_burns(changes):
     scene = cb.load(clc.HERE / "iron_oxide.toml", changes)
     result, exact = cb.run(scene), clc.reference(scene)
     for key in SHOOTING:
-        assert result.qoi[key] == pytest.approx(exact[key], rel=1e-7), key
+        assert result.qoi[key] == approx(exact[key], rel=1e-7), key
 
 
 @pytest.mark.slow
@@ -74,5 +75,5 @@ def test_hydrogen_shaft(case):
         "x_H2_out": 1.0,
     }
     for key, value in zip(spans, dri.reference(case)[: len(spans)], strict=True):
-        assert result.qoi[key] == pytest.approx(value, abs=5e-4 * spans[key]), key
+        assert result.qoi[key] == approx(value, abs=5e-4 * spans[key]), key
     assert_closed(result, 1e-12)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pytest import approx
 from reacting_bed_scenes import fixed_bed, heated, schumann, table
 
 import contbed
@@ -24,8 +25,8 @@ CLOSED = 1e-12
 def compared(row):
     scene = fixed_bed(*(row[key] for key in ("law", "f", "d", "r", "xi", "tau")))
     result = contbed.run(from_dict(scene))
-    assert result.profiles["x_A [1]"][-1] == pytest.approx(row["y"], abs=STEPS)
-    assert result.profiles["w_P [1]"][-1] == pytest.approx(row["X"], abs=STEPS)
+    assert result.profiles["x_A [1]"][-1] == approx(row["y"], abs=STEPS)
+    assert result.profiles["w_P [1]"][-1] == approx(row["X"], abs=STEPS)
     assert_closed(result, CLOSED)
     return result
 
@@ -37,7 +38,7 @@ def test_breakthrough_through_a_bed_that_is_used_up():
         if row["law"] == "bohart_adams" and (row["xi"], row["tau"]) == (2.0, 0.8)
     )
     result = compared(row)
-    assert result.tables["outlet"]["t [s]"][-1] == pytest.approx(800.0)
+    assert result.tables["outlet"]["t [s]"][-1] == approx(800.0)
     assert np.all(np.diff(result.tables["outlet"]["x_A [1]"]) > 0.0)
 
 
@@ -58,7 +59,7 @@ def test_heating_of_a_bed_by_a_gas():
     scene["time"]["end"] = 5.0 / eta_per_s
     result = contbed.run(from_dict(scene))
     theta = (result.qoi["T_fluid_out_K"] - 300.0) / 300.0
-    assert theta == pytest.approx(schumann(4.0, 5.0), abs=1e-4)
+    assert theta == approx(schumann(4.0, 5.0), abs=1e-4)
     assert_closed(result, CLOSED, "energy")
 
 
@@ -76,7 +77,7 @@ def test_steps_do_not_depend_on_how_far_a_bed_is_heated():
         steps.append(result.qoi["time_steps"])
         thetas.append((result.qoi["T_fluid_out_K"] - 300.0) / rise)
     assert abs(steps[0] - steps[1]) <= 2  # rounding may move a step
-    assert thetas[0] == pytest.approx(thetas[1], abs=1e-5)
+    assert thetas[0] == approx(thetas[1], abs=1e-5)
 
 
 def test_phases_start_with_their_own_temperatures():
@@ -92,7 +93,7 @@ def test_phases_start_with_their_own_temperatures():
     apart = contbed.run(from_dict(scene))
     for name in ("T_fluid_out_K", "heat_charged_J"):
         if name in both.qoi:
-            assert apart.qoi[name] == pytest.approx(both.qoi[name], rel=1e-4)
+            assert apart.qoi[name] == approx(both.qoi[name], rel=1e-4)
     del scene["time"]
     with pytest.raises(SceneError, match="a steady bed has one first guess"):
         from_dict(scene)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from adsorption_scenes import DENSITY, EPS, SPEED, TRACE, adsorber, constant_pattern
+from pytest import approx
 from reacting_bed_scenes import MOLAR
 from solving import solved
 
@@ -26,12 +27,12 @@ def test_a_straight_isotherm_breaks_through_as_its_closed_form():
     eta = np.linspace(1.0, 45.0, 4401)
     curve = breakthrough(units, eta, 0.1, "interior")
     times = np.interp(0.01 * LEVELS, curve, eta) * unit
-    assert found_times(qoi) == pytest.approx(times, rel=2e-3)
+    assert found_times(qoi) == approx(times, rel=2e-3)
     zone = (times[3] - times[1]) / times[2]  # of 1 m
-    assert qoi["mass_transfer_zone_A_m"] == pytest.approx(zone, rel=5e-3)
+    assert qoi["mass_transfer_zone_A_m"] == approx(zone, rel=5e-3)
     kept = np.concatenate([[1.0], 1.0 + np.cumsum(0.01 * (1.0 - curve[1:]))])
     used, whole = np.interp(times[[1, 3]] / unit, eta, kept)
-    assert qoi["capacity_used_A"] == pytest.approx(used / whole, rel=3e-3)
+    assert qoi["capacity_used_A"] == approx(used / whole, rel=3e-3)
 
 
 @pytest.mark.parametrize("K", [40.0, 400.0])
@@ -53,7 +54,7 @@ def test_gas_in_the_voids_that_is_left_out_is_told(K):
         assert len(told) == int(expected)
         if expected:
             assert f"{delay:.3g} s early" in told[0]
-    assert times[1] - times[0] == pytest.approx(delay, rel=0.1)
+    assert times[1] - times[0] == approx(delay, rel=0.1)
 
 
 def test_a_langmuir_front_has_the_length_of_its_constant_pattern():
@@ -65,9 +66,9 @@ def test_a_langmuir_front_has_the_length_of_its_constant_pattern():
     qoi = solved(scene).qoi
     r = 1.0 - 1.0 / capacity
     times = (units + constant_pattern(0.01 * LEVELS[1:], r)) * unit
-    assert found_times(qoi)[1:] == pytest.approx(times, rel=2e-3)
+    assert found_times(qoi)[1:] == approx(times, rel=2e-3)
     zone = (times[2] - times[0]) / times[1]  # of 1 m
-    assert qoi["mass_transfer_zone_A_m"] == pytest.approx(zone, rel=1e-2)
+    assert qoi["mass_transfer_zone_A_m"] == approx(zone, rel=1e-2)
     assert "purity_A" not in qoi
 
 
@@ -102,11 +103,11 @@ def test_a_cycle_of_a_bed_that_takes_up_next_to_nothing():
         """,
     )
     qoi = solved(scene).qoi
-    assert qoi["purity_A"] == pytest.approx(TRACE, rel=1e-4)
-    assert qoi["recovery_A"] == pytest.approx(1.0, rel=1e-4)
-    assert qoi["purity_N"] == pytest.approx(1.0, rel=1e-9)
-    assert qoi["recovery_N"] == pytest.approx(2.0 / 3.0, rel=1e-5)
+    assert qoi["purity_A"] == approx(TRACE, rel=1e-4)
+    assert qoi["recovery_A"] == approx(1.0, rel=1e-4)
+    assert qoi["purity_N"] == approx(1.0, rel=1e-9)
+    assert qoi["recovery_N"] == approx(2.0 / 3.0, rel=1e-5)
     moles = 100.0 * SPEED * MOLAR * TRACE
     mass = (1.0 - EPS) * DENSITY
     expected = moles / (mass * 300.0)
-    assert qoi["productivity_A_mol_kgs"] == pytest.approx(expected, rel=1e-4)
+    assert qoi["productivity_A_mol_kgs"] == approx(expected, rel=1e-4)

@@ -5,7 +5,7 @@ beds against closed forms and hand calculations.
 from copy import deepcopy
 
 import numpy as np
-import pytest
+from pytest import approx
 from reacting_bed_scenes import MOLAR, R_GAS, P, T, equilibrium, ignition, isothermal
 from solving import solved
 
@@ -47,13 +47,13 @@ def test_parallel_reactions_of_first_order():
     """
     qoi = solved(parallel(0.6, 0.2)).qoi
     conversion = 1.0 - np.exp(-0.8 / 0.5)
-    assert qoi["conversion_CO"] == pytest.approx(conversion, rel=1e-5)
+    assert qoi["conversion_CO"] == approx(conversion, rel=1e-5)
     for name, share in (("CH4", 0.75), ("CO2", 0.25)):
-        assert qoi[f"selectivity_{name}_C"] == pytest.approx(share, rel=1e-8)
+        assert qoi[f"selectivity_{name}_C"] == approx(share, rel=1e-8)
         expected = conversion * share
-        assert qoi[f"yield_{name}_C"] == pytest.approx(expected, rel=1e-5)
+        assert qoi[f"yield_{name}_C"] == approx(expected, rel=1e-5)
     made = conversion * 0.75 * 0.5 * MOLAR * 1e-6 / (4.0 + 1e-6)
-    assert qoi["space_time_yield_CH4_mol_m3s"] == pytest.approx(made, rel=1e-5)
+    assert qoi["space_time_yield_CH4_mol_m3s"] == approx(made, rel=1e-5)
     # with excess of H2 and H2O only CO and H2 are used up: O of CO goes to H2O and CO2
     assert "yield_N2_N" not in qoi
 
@@ -63,20 +63,20 @@ def test_space_velocities_by_hand():
     scene = parallel(0.6, 0.2)
     qoi = solved(scene).qoi
     hourly = 3600.0 * 0.5 * (P / 101325.0) * (273.15 / T)
-    assert qoi["GHSV_1_h"] == pytest.approx(hourly, rel=1e-12)
+    assert qoi["GHSV_1_h"] == approx(hourly, rel=1e-12)
     assert "WHSV_1_h" not in qoi and "hot_spot_K" not in qoi
     set_keys(scene, 'reactions.shift.basis = "catalyst"')
     qoi = solved(scene).qoi
     mean = (0.002 + 0.018 + 2 * 0.028) / 4.0
     weight = 0.6 * 1500.0
     expected = 3600.0 * 0.5 * MOLAR * mean / weight
-    assert qoi["WHSV_1_h"] == pytest.approx(expected, rel=1e-6)
+    assert qoi["WHSV_1_h"] == approx(expected, rel=1e-6)
 
 
 def test_a_bed_in_equilibrium_has_no_approach():
     equations = {"shift": "CO + H2O <-> CO2 + H2"}
     qoi = solved(equilibrium("CO:1, H2O:2, N2:1", 1e5, 900.0, equations)).qoi
-    assert qoi["equilibrium_approach_shift_K"] == pytest.approx(0.0, abs=1e-5)
+    assert qoi["equilibrium_approach_shift_K"] == approx(0.0, abs=1e-5)
 
 
 def test_a_formula_beyond_equilibrium_is_reported_and_ends_there_with_its_quotient():
@@ -95,8 +95,8 @@ def test_a_formula_beyond_equilibrium_is_reported_and_ends_there_with_its_quotie
     scene["reactions"]["shift"]["rate"] = "k*x_CO*(1 - Q_over_K)"
     result = solved(scene)
     assert not [each for each in result.warnings if "equilibrium" in each]
-    assert result.qoi["Q_over_K_shift"] == pytest.approx(1.0, abs=1e-6)
-    assert result.qoi["x_H2_out"] == pytest.approx(whole["x_H2_out"], rel=1e-6)
+    assert result.qoi["Q_over_K_shift"] == approx(1.0, abs=1e-6)
+    assert result.qoi["x_H2_out"] == approx(whole["x_H2_out"], rel=1e-6)
 
 
 def test_the_temperature_of_equilibrium_of_constant_heats():
@@ -114,11 +114,11 @@ def test_the_temperature_of_equilibrium_of_constant_heats():
     law = Equilibrium({"B": 1.0}, {"B": Constant()}, frozenset("B"))
     Q = 1.5
     expected = 40e3 / (R_GAS * Q + 40.0)
-    assert temperature_of(law, Q, 800.0) == pytest.approx(expected, rel=1e-10)
+    assert temperature_of(law, Q, 800.0) == approx(expected, rel=1e-10)
     assert temperature_of(law, -1e3, 800.0) is None
 
 
 def test_the_hot_spot_of_an_adiabatic_bed_is_its_end():
     qoi = solved(ignition(8.0, 8.0, 0.3, 6.0, 0.5)).qoi
-    assert qoi["hot_spot_K"] == pytest.approx(qoi["T_fluid_out_K"], rel=1e-12)
+    assert qoi["hot_spot_K"] == approx(qoi["T_fluid_out_K"], rel=1e-12)
     assert qoi["hot_spot_m"] == 1.0

@@ -8,6 +8,8 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 from reacting_bed_scenes import R_GAS, P, isothermal, species
 from solving import solved
 from test_pellets import D_A, REFORMER, R, left, pellets
@@ -34,13 +36,11 @@ def alike(scene, **section):
 def same(one, section, rel=1e-9):
     """All that a bed in one dimension reports, to Newton's tolerance."""
     for name, column in one.profiles.items():
-        np.testing.assert_allclose(
+        assert_allclose(
             section.profiles[name], column, rtol=rel, atol=1e-12, err_msg=name
         )
     for name in one.qoi.keys() - {"time_steps", "share_negative"}:
-        assert section.qoi[name] == pytest.approx(one.qoi[name], rel=rel, abs=1e-12), (
-            name
-        )
+        assert section.qoi[name] == approx(one.qoi[name], rel=rel, abs=1e-12), name
 
 
 def reforming(rings):
@@ -77,7 +77,7 @@ def test_first_order(shape, biot):
         gas |= {"heat_capacity": CP, "enthalpy": 0.0}
     scene["heat"] = {}
     alike(scene, rings=2, shape=shape, conductivity_solids=1.0)
-    assert solved(scene).qoi["x_A_out"] == pytest.approx(
+    assert solved(scene).qoi["x_A_out"] == approx(
         left(k * scene["mesh"]["length"], eta), rel=SHELLS
     )
 
@@ -131,7 +131,7 @@ def test_a_cooled_tube_is_that_with_the_closed_effectiveness():
         solved(cooled(4, mass)).profiles for mass in ("effectiveness", "interior")
     )
     for name, column in exact.items():
-        np.testing.assert_allclose(found[name], column, rtol=SHELLS, err_msg=name)
+        assert_allclose(found[name], column, rtol=SHELLS, err_msg=name)
     assert np.all(found["T_fluid_axis [K]"] - found["T_fluid_wall [K]"] > 50.0)
 
 
@@ -146,7 +146,7 @@ def test_order_across():
         for rings in (4, 8, 16)
     )
     orders = np.log2((coarse - fine) / (fine - finest))
-    assert orders == pytest.approx(2.0, abs=0.2)
+    assert orders == approx(2.0, abs=0.2)
 
 
 @pytest.mark.parametrize(("factor", "level"), [(1e-4, "none"), (1.0, "interior")])
@@ -209,7 +209,7 @@ def test_in_time_it_ends_in_the_steady_state():
     steady, late = solved(scene), solved(in_time(scene, 5e4))
     assert steady.qoi["cells_damped"] == 0
     for name, column in steady.profiles.items():
-        np.testing.assert_allclose(late.profiles[name], column, rtol=1e-8, err_msg=name)
+        assert_allclose(late.profiles[name], column, rtol=1e-8, err_msg=name)
 
 
 def test_derivatives_are_those_of_differences():
@@ -222,4 +222,4 @@ def test_derivatives_are_those_of_differences():
         solved(cooled(2, factor=1.0 + side * 1e-4)).qoi["x_A_out"]
         for side in (-1.0, 1.0)
     )
-    assert found == pytest.approx((high - low) / 2e-4, rel=1e-5)
+    assert found == approx((high - low) / 2e-4, rel=1e-5)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pytest import approx
 from reacting_bed_scenes import (
     MOLAR,
     bilinear,
@@ -101,18 +102,18 @@ def alike(scene: dict, same: float = ROUNDING) -> None:
         )
         assert names, key
         for name in names:
-            assert two.qoi[name] == pytest.approx(value, rel=same, abs=same), name
+            assert two.qoi[name] == approx(value, rel=same, abs=same), name
     for key, values in one.profiles.items():
         name, unit = key.split(" ")
         of_kinds = {f"{name}_{kind} {unit}": part_of(name, kind) for kind in SHARES}
         for column, part in ({key: 1.0} if key in two.profiles else of_kinds).items():
-            assert two.profiles[column] == pytest.approx(
-                part * values, rel=same, abs=same
-            ), column
+            assert two.profiles[column] == approx(part * values, rel=same, abs=same), (
+                column
+            )
     if "extent_r_mol_m2s" in one.qoi:
         for kind, share in SHARES.items():
             part = two.qoi[f"extent_r_{kind}_mol_m2s"]
-            assert part == pytest.approx(share * one.qoi["extent_r_mol_m2s"], rel=same)
+            assert part == approx(share * one.qoi["extent_r_mol_m2s"], rel=same)
 
 
 def on_cells(scene: dict, cells: int = 12) -> dict:
@@ -154,9 +155,7 @@ def test_steps_of_kinds_that_are_alike_are_those_of_one(moves, gas):
         }
         for kind, share in parts.items():
             found = two[name if name in two else f"{name}_{kind}"]
-            assert found == pytest.approx(share * values, rel=ROUNDING, abs=ROUNDING), (
-                name
-            )
+            assert found == approx(share * values, rel=ROUNDING, abs=ROUNDING), name
 
 
 def in_time(scene: dict, moves: bool, gas: str = "auto") -> dict:
@@ -202,12 +201,12 @@ def test_two_sizes_in_a_moving_bed_follow_their_own_closed_forms():
     qoi = solved(scene).qoi
     X = {"coarse": 1.0 - np.exp(-0.5), "fine": 1.0 - np.exp(-0.75)}
     for kind, exact in X.items():
-        assert qoi[f"conversion_S_{kind}"] == pytest.approx(exact, abs=DIGITS)
+        assert qoi[f"conversion_S_{kind}"] == approx(exact, abs=DIGITS)
     flow = {"coarse": 0.3, "fine": 1.4}
     mean = sum(flow[kind] * X[kind] for kind in X) / sum(flow.values())
-    assert qoi["conversion_S"] == pytest.approx(mean, abs=DIGITS)
+    assert qoi["conversion_S"] == approx(mean, abs=DIGITS)
     mass = 3000.0 * v * sum(flow.values())
-    assert qoi["solids_out_kg_m2s"] == pytest.approx(mass, rel=DIGITS)
+    assert qoi["solids_out_kg_m2s"] == approx(mass, rel=DIGITS)
 
 
 @pytest.mark.slow
@@ -230,7 +229,7 @@ def test_two_sizes_at_rest_shrink_as_their_diameters_say():
     result = solved(scene)
     X = {"coarse": 1.0 - (1.0 - 0.4) ** 3, "fine": 1.0 - (1.0 - 0.4 * 3.0 / 2.0) ** 3}
     for kind, exact in X.items():  # steps of a local tolerance of 1e-5
-        assert result.profiles[f"w_P_{kind} [1]"][-1] == pytest.approx(exact, abs=1e-5)
+        assert result.profiles[f"w_P_{kind} [1]"][-1] == approx(exact, abs=1e-5)
 
 
 def catalysed(share: float, **more) -> dict:
@@ -256,7 +255,7 @@ def catalysed(share: float, **more) -> dict:
 @pytest.mark.parametrize("share", [0.2, 0.75])
 def test_beads_dilute_a_catalyst(share):
     Da = 2e-3 * share * (1.0 - EPS) * 1500.0 / U
-    assert solved(catalysed(share)).qoi["conversion_A"] == pytest.approx(
+    assert solved(catalysed(share)).qoi["conversion_A"] == approx(
         1.0 - np.exp(-Da), abs=DIGITS
     )
 
@@ -277,8 +276,8 @@ def test_each_kind_has_its_own_film():
         film = Sh[kind] * D / d * 6.0 * share * (1.0 - EPS) / d
         total += 1.0 / (1.0 / film + 1.0 / (2e-3 * share * (1.0 - EPS) * at["density"]))
     qoi = solved(scene).qoi
-    assert qoi["conversion_A"] == pytest.approx(1.0 - np.exp(-total / U), abs=DIGITS)
-    assert qoi["extent_r_mol_m2s"] == pytest.approx(
+    assert qoi["conversion_A"] == approx(1.0 - np.exp(-total / U), abs=DIGITS)
+    assert qoi["extent_r_mol_m2s"] == approx(
         U * MOLAR * (1.0 - np.exp(-total / U)), rel=DIGITS
     )
 
@@ -341,7 +340,7 @@ def test_two_sizes_heated_by_a_gas(directions):
     scene, exact = exchanging(directions)
     result = solved(scene)
     for key, value in exact.items():
-        assert result.qoi[key] == pytest.approx(value, rel=DIGITS), key
+        assert result.qoi[key] == approx(value, rel=DIGITS), key
     assert {"T_solid_small [K]", "T_solid_large [K]"} <= set(result.profiles)
     assert "4 temperatures" not in str(
         result.plan
@@ -367,7 +366,7 @@ def test_balances_close_with_all_that_differs():
     assert "energy" in result.balances and "conversion_S_ore" in result.qoi
     # Ergun's equation has the Sauter mean
     at = result.plan.problem.bed.medium.diameter
-    assert at == pytest.approx(1.0 / (0.6 / 4e-3 + 0.4 / 8e-3), rel=1e-14)
+    assert at == approx(1.0 / (0.6 / 4e-3 + 0.4 / 8e-3), rel=1e-14)
 
 
 @pytest.mark.slow
@@ -383,7 +382,7 @@ def test_steps_in_time_end_in_the_steady_state():
     set_keys(scene, "initial.temperature = 500.0")
     ended = solved(scene)
     for key in ("T_fluid_out_K", "conversion_S_ore", "T_solid_beads_out_K", "x_A_out"):
-        assert ended.qoi[key] == pytest.approx(steady.qoi[key], rel=1e-7), key
+        assert ended.qoi[key] == approx(steady.qoi[key], rel=1e-7), key
 
 
 def test_beads_at_rest_among_ore_that_moves_are_as_hot_as_the_gas():
@@ -397,12 +396,12 @@ def test_beads_at_rest_among_ore_that_moves_are_as_hot_as_the_gas():
         scene["solids"]["beads"]["heat_capacity"],
     )
     result = solved(scene)
-    assert result.profiles["T_solid_beads [K]"] == pytest.approx(
+    assert result.profiles["T_solid_beads [K]"] == approx(
         result.profiles["T_fluid [K]"], rel=1e-10
     )
     assert "T_solid_beads_out_K" not in result.qoi and result.qoi[
         "solids_out_kg_m2s"
-    ] == pytest.approx(0.36, rel=1e-12)
+    ] == approx(0.36, rel=1e-12)
 
 
 def test_streams_that_change_reach_all_kinds():
@@ -419,7 +418,7 @@ def test_streams_that_change_reach_all_kinds():
     exact, found = Problem.of(there, vertices), before.within(there)
     u = exact.start(450.0)
     residuals = [problem.system.assemble(u, False)[0] for problem in (exact, found)]
-    assert residuals[1] == pytest.approx(residuals[0], rel=1e-13)
+    assert residuals[1] == approx(residuals[0], rel=1e-13)
     assert np.abs(before.system.assemble(u, False)[0] - residuals[0]).max() > 0.0
 
 
@@ -441,7 +440,7 @@ def test_the_table_of_one_kind_holds_for_each_of_several():
     row = next(row for row in table("counter_current_bilinear") if row["r"] != 1.0)
     qoi = solved(split(bilinear(row["N"], row["r"]))).qoi
     for name in ("conversion_S", "conversion_S_coarse", "conversion_S_fine"):
-        assert 1.0 - qoi[name] == pytest.approx(row["solid_out_over_in"], abs=DIGITS)
+        assert 1.0 - qoi[name] == approx(row["solid_out_over_in"], abs=DIGITS)
 
 
 def test_lines_of_a_constituent_have_one_colour_and_a_style_for_each_kind():

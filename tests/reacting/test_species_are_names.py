@@ -7,6 +7,7 @@ from pathlib import Path
 
 import cantera
 import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.loading import loads
@@ -54,14 +55,14 @@ def test_heptane_burns(more):
     assert result.status == "ok"
     q = result.qoi
     burnt = q["extent_r_mol_m2s"]
-    assert q["out_CO2_mol_m2s"] == pytest.approx(7.0 * burnt, rel=1e-9)
-    assert q["out_H2O_mol_m2s"] == pytest.approx(8.0 * burnt, rel=1e-9)
+    assert q["out_CO2_mol_m2s"] == approx(7.0 * burnt, rel=1e-9)
+    assert q["out_H2O_mol_m2s"] == approx(8.0 * burnt, rel=1e-9)
     names = ("NC7H16", "O2", "N2", "CO2", "H2O")
     gas = cantera.Solution(str(DATA / "hept.yaml"))
     gas.TPX = 600.0, 2e5, "NC7H16:0.01, O2:0.21, N2:0.78"
     entering = gas.enthalpy_mass
     gas.HPX = entering, 2e5, {name: q[f"x_{name}_out"] for name in names}
-    assert q["T_fluid_out_K"] == pytest.approx(gas.T, rel=1e-6)
+    assert q["T_fluid_out_K"] == approx(gas.T, rel=1e-6)
 
 
 def test_what_does_not_balance_is_named_by_the_atoms_of_the_mechanism():
@@ -88,5 +89,5 @@ def test_isomers_of_any_name(tmp_path):
     )
     q = cb.run(loads(text, base=tmp_path)).qoi
     left = math.exp(-1e-3 * 1200.0 * (1.0 - 0.4) * 0.5 / 0.5)
-    assert q["conversion_A"] == pytest.approx(1.0 - left, rel=1e-6)
-    assert q["x_B_out"] == pytest.approx(0.01 * (1.0 - left), rel=1e-6)
+    assert q["conversion_A"] == approx(1.0 - left, rel=1e-6)
+    assert q["x_B_out"] == approx(0.01 * (1.0 - left), rel=1e-6)

@@ -9,6 +9,7 @@ from pathlib import Path
 import cantera
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.integrate import solve_ivp
 
 import contbed
@@ -105,13 +106,11 @@ def test_steady_coverages(file, name):
         c = 1e3 * concentrations(known, gas)[:, None]
         theta = known.coverages(np.array([T]), c)[:, 0]
         assert (theta >= 0.0).all()
-        assert theta.sum() == pytest.approx(1.0, abs=1e-14)
+        assert theta.sum() == approx(1.0, abs=1e-14)
         surface.coverages = theta
         rates, _ = known.rates(np.array([[T], *c]), {})
         exact = made_by_cantera(surface, known.gases)
-        assert made_of(known, rates[:, 0]) == pytest.approx(
-            exact, abs=1e-9 * abs(exact).max()
-        )
+        assert made_of(known, rates[:, 0]) == approx(exact, abs=1e-9 * abs(exact).max())
         of_adsorbates = made_by_cantera(surface, known.adsorbates)
         turned = surface.creation_rates + surface.destruction_rates
         sizes = 1e3 * of_species(surface, turned, known.adsorbates)
@@ -133,7 +132,7 @@ def test_the_steady_state_that_cantera_finds(file, name):
         c = 1e3 * concentrations(known, gas)[:, None]
         rates, _ = known.rates(np.array([[T], *c]), {})
         exact = made_by_cantera(surface, known.gases)
-        assert made_of(known, rates[:, 0]) == pytest.approx(
+        assert made_of(known, rates[:, 0]) == approx(
             exact, abs=1e-10 * abs(exact).max()
         )
     assert found >= 8
@@ -158,7 +157,7 @@ def test_derivatives_of_rates(file, name):
             moved[k] += sign * step
             sides.append(known.rates(moved[:, None], held)[0])
         numeric = (sides[0] - sides[1])[:, 0] / (2.0 * step)
-        exact = pytest.approx(value * numeric, abs=1e-6 * abs(rates).max())
+        exact = approx(value * numeric, abs=1e-6 * abs(rates).max())
         assert value * slopes[:, k, 0] == exact
 
 
@@ -226,11 +225,11 @@ def test_plug_flow(file, adiabatic):
     scene = bed(file, T, composition, **({"heat": {}} if adiabatic else {}))
     result = contbed.run(from_dict(scene))
     T_out, leaving = plug_flow(file, T, composition, adiabatic)
-    assert result.qoi["T_fluid_out_K"] == pytest.approx(T_out, rel=close)
+    assert result.qoi["T_fluid_out_K"] == approx(T_out, rel=close)
     whole = sum(leaving.values())
     for name in REACTING:
         found = result.qoi[f"out_{name}_mol_m2s"]
-        assert found == pytest.approx(leaving[name], abs=close * whole)
+        assert found == approx(leaving[name], abs=close * whole)
     assert_closed(result, 1e-12)
 
 
@@ -258,7 +257,7 @@ def test_pellets_without_resistance():
     whole = sum(leaving.values())
     for name in ("CH4", "CO2", "H2O"):
         found = result.qoi[f"out_{name}_mol_m2s"]
-        assert found == pytest.approx(leaving[name], abs=1e-6 * whole)
+        assert found == approx(leaving[name], abs=1e-6 * whole)
     assert_closed(result, 1e-12)
 
 
@@ -285,14 +284,14 @@ def test_first_order_in_pellets(phi):
     result = contbed.run(from_dict(first_order(**{"solids.foam.inside": inside})))
     velocity = FLUX / 44.013e-3 * R * 500.0 / 1e5
     left = np.exp(-0.6 * k * sphere(phi) * 1e-3 / velocity)
-    assert 1.0 - result.qoi["x_A_out"] == pytest.approx(1.0 - left, rel=1e-4)
+    assert 1.0 - result.qoi["x_A_out"] == approx(1.0 - left, rel=1e-4)
 
 
 def test_area_over_the_volume_of_the_bed():
     whole = contbed.run(from_dict(first_order()))
     of_bed = {"reactions.pt.basis": "bed", "reactions.pt.area": 0.6 * AREA}
     found = contbed.run(from_dict(first_order(**of_bed)))
-    assert found.qoi["x_B_out"] == pytest.approx(whole.qoi["x_B_out"], rel=1e-12)
+    assert found.qoi["x_B_out"] == approx(whole.qoi["x_B_out"], rel=1e-12)
 
 
 def test_the_plan_says_that_coverages_are_steady():
@@ -328,5 +327,5 @@ def test_a_mechanism_beside_the_scene(tmp_path):
 def test_a_surface_on_which_nothing_reacts():
     """Oxygen alone at 273 K: what leaves is what enters, to rounding."""
     result = contbed.run(from_dict(bed("ptcombust.yaml", 273.15, "O2:0.21, N2:0.79")))
-    assert result.qoi["x_O2_out"] == pytest.approx(0.21, rel=1e-12)
+    assert result.qoi["x_O2_out"] == approx(0.21, rel=1e-12)
     assert not any(name.startswith("yield") for name in result.qoi)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 
 import contbed as cb
 from studies._exact.radiation import square_p1
@@ -42,10 +43,10 @@ def test_plates_in_radiative_equilibrium(path):
     module, scene = study("heaslet_warming"), cb.load(path)
     found = module.found(run(scene))
     if scene.radiation.level == "ordinates":
-        assert found[0] == pytest.approx(module.reference(scene)[0], rel=6e-4)
-        assert found[1] == pytest.approx(module.reference(scene)[1], rel=6e-3)
+        assert found[0] == approx(module.reference(scene)[0], rel=6e-4)
+        assert found[1] == approx(module.reference(scene)[1], rel=6e-3)
     else:
-        assert found == pytest.approx(module.closed_form(scene), rel=1e-10)
+        assert found == approx(module.closed_form(scene), rel=1e-10)
 
 
 @pytest.mark.parametrize("path", scenes("conduction_radiation"))
@@ -55,13 +56,11 @@ def test_conduction_with_radiation(path, theta_L):
     _, N, _, tau = path.stem.split("_")
     for level in ("two_flux", "p1"):
         scene = module.load(N, tau, level, theta_L=theta_L)
-        assert module.found(run(scene)) == pytest.approx(
+        assert module.found(run(scene)) == approx(
             module.of_model(scene).total, rel=1e-7
         )
     scene = module.load(N, tau, "ordinates", 4, theta_L)
-    assert module.found(run(scene)) == pytest.approx(
-        module.reference(scene).total, rel=6e-4
-    )
+    assert module.found(run(scene)) == approx(module.reference(scene).total, rel=6e-4)
 
 
 def test_heat_through_a_conducting_medium_does_not_depend_on_the_place():
@@ -75,19 +74,17 @@ def test_heat_through_a_conducting_medium_does_not_depend_on_the_place():
         profiles[name] for name in ("x [m]", "T_solid [K]", "q_radiation [W/m2]")
     )
     exact = module.reference(scene)
-    assert np.interp(exact.depth, 10 * x, T / 1000) == pytest.approx(
-        exact.theta, abs=2e-5
-    )
+    assert np.interp(exact.depth, 10 * x, T / 1000) == approx(exact.theta, abs=2e-5)
     scale = 5.670374419e4
-    assert q[[0, -1]] / scale == pytest.approx(exact.radiative, rel=1e-4)
+    assert q[[0, -1]] / scale == approx(exact.radiative, rel=1e-4)
     conducted = -scene.radiation.conductivity * np.gradient(T, x)
-    assert (conducted + q)[2:-2] == pytest.approx(exact.total * scale, rel=1e-2)
+    assert (conducted + q)[2:-2] == approx(exact.total * scale, rel=1e-2)
 
 
 @pytest.mark.parametrize("path", scenes("isothermal_slab"))
 def test_isothermal_slab_scenes(path):
     module, scene = study("isothermal_slab"), cb.load(path)
-    assert module.found(run(scene)) == pytest.approx(module.reference(scene), rel=1e-4)
+    assert module.found(run(scene)) == approx(module.reference(scene), rel=1e-4)
 
 
 @pytest.mark.parametrize("path", scenes("square_enclosure"))
@@ -97,7 +94,7 @@ def test_square_enclosure(path):
     x = np.linspace(0.02, 0.98, 25)
     expected = square_p1(x, module.thickness(scene))
     for wall in ("bottom", "left", "top", "right"):
-        assert module.wall_flux(result, x, wall) == pytest.approx(expected, rel=1e-6)
+        assert module.wall_flux(result, x, wall) == approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -117,17 +114,13 @@ def test_hot_bed_against_collocation():
         "reference"
     ]["p1"]
     found = module.solved("p1")
-    assert found.T_d == pytest.approx(reference["T_distributor_K"], abs=1e-5)
+    assert found.T_d == approx(reference["T_distributor_K"], abs=1e-5)
     middle = [np.interp(0.3, found.z, getattr(found, name)) for name in module.SOLIDS]
-    assert middle == pytest.approx(reference["T_half_height_K"], abs=1e-4)
-    assert found.T_emulsion[-1] == pytest.approx(
-        reference["T_emulsion_top_K"], abs=1e-4
-    )
-    assert found.T_bubble[-1] == pytest.approx(reference["T_bubble_top_K"], abs=1e-4)
+    assert middle == approx(reference["T_half_height_K"], abs=1e-4)
+    assert found.T_emulsion[-1] == approx(reference["T_emulsion_top_K"], abs=1e-4)
+    assert found.T_bubble[-1] == approx(reference["T_bubble_top_K"], abs=1e-4)
     for name, key in (("tubes", "tubes"), ("wall", "walls"), ("top", "top")):
-        assert found.heat[name] == pytest.approx(
-            reference[f"{key}_radiation_W"], abs=0.01
-        )
+        assert found.heat[name] == approx(reference[f"{key}_radiation_W"], abs=0.01)
 
 
 def test_closure_misses_the_ends_only():
@@ -171,6 +164,6 @@ def test_rosseland_of_a_packed_bed_stays_within_its_stated_error():
         cheapest = run(
             cb.load(module.HERE / "bed_cheapest.toml", {"mesh.length": length})
         )
-        assert cheapest.qoi["heat_left_W"] == pytest.approx(
+        assert cheapest.qoi["heat_left_W"] == approx(
             thick if chosen else full, rel=1e-12
         )

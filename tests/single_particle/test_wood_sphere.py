@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -67,7 +68,7 @@ def test_calculated_wood_sphere(tmp_path, furnace, start):
     found = run(load(path))
     # the table itself: 5e-4 and 0.3 K between its grids; 16 shells, time steps of 5e-4
     # of the span
-    assert found.profiles["mass_fraction [1]"] == pytest.approx(
+    assert found.profiles["mass_fraction [1]"] == approx(
         [row["mass"] for row in table], abs=4e-3
     )
     centre = np.abs(
@@ -123,9 +124,9 @@ def test_heated_sphere_of_second_order(tmp_path):
         path.write_text(inert(cells, fourier * 1e-4 / 1e-6, biot))
         errors.append(abs(run(load(path)).profiles["T_centre [K]"][-1] - exact))
     # second order
-    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.3) and errors[1] / errors[
+    assert errors[0] / errors[1] == approx(4.0, rel=0.3) and errors[1] / errors[
         2
-    ] == pytest.approx(4.0, rel=0.3)
+    ] == approx(4.0, rel=0.3)
     assert errors[2] < 0.3
 
 
@@ -136,10 +137,8 @@ def test_uniform_reaction_is_exponential(tmp_path):
         text + '[reactions.gas]\nof = "stone"\nA = 0.02\nE = 0.0\nyields = {}\n'
     )
     found = run(load(path))
-    assert found.profiles["mass_fraction [1]"][-1] == pytest.approx(
-        np.exp(-2.0), rel=1e-3
-    )
-    assert found.qoi["T_centre_max_K"] == pytest.approx(300.0, abs=1e-6)
+    assert found.profiles["mass_fraction [1]"][-1] == approx(np.exp(-2.0), rel=1e-3)
+    assert found.qoi["T_centre_max_K"] == approx(300.0, abs=1e-6)
 
 
 TANK = """
@@ -187,12 +186,12 @@ def test_a_short_pulse_of_the_furnace_is_not_stepped_over(tmp_path, width, form)
     expected = 300.0 + risen * np.array(
         [1.0, np.exp(-RATE * after), np.exp(-RATE * (3600.0 - end))]
     )
-    assert found.profiles["T_mean [K]"] == pytest.approx(expected, abs=0.7)
+    assert found.profiles["T_mean [K]"] == approx(expected, abs=0.7)
     # rounding of 300 K over the few of a pulse
     assert_closed(found, 1e-10, "energy")
     if form == "step":  # what enters and leaves again is counted both ways
         entered = 2000.0 * 800.0 * np.pi / 6.0 * 0.01**3 * risen
-        assert found.balances["energy"]["in"] == pytest.approx(entered, rel=1e-3)
+        assert found.balances["energy"]["in"] == approx(entered, rel=1e-3)
 
 
 def followed(times, values, moments):
@@ -255,7 +254,7 @@ def test_small_kinks_are_passed_within_the_error_of_a_step(tmp_path, monkeypatch
     span = max(values) - 300.0
     # local errors of 1e-4 of the span over some time constants, as much for what lies
     # between the stages; the sphere lags a little; 1e-5 to 4e-5 are found
-    assert found.profiles["T_mean [K]"] == pytest.approx(
+    assert found.profiles["T_mean [K]"] == approx(
         followed(times, values, moments), abs=2e-4 * span
     )
     assert_closed(found, 1e-10, "energy")
@@ -268,16 +267,16 @@ def test_numbers_of_the_run_do_not_depend_on_output_times(tmp_path):
         text + '[reactions.gas]\nof = "stone"\nA = 0.02\nE = 0.0\nyields = {}\n'
     )
     # of a loss of 1 - exp(-2) half is gone at -ln((1 + exp(-2))/2)/0.02
-    assert run(load(path)).qoi["half_time_s"] == pytest.approx(
+    assert run(load(path)).qoi["half_time_s"] == approx(
         -50.0 * np.log(0.5 * (1.0 + np.exp(-2.0))), rel=1e-4
     )
     series = '{ times = [0, 1000, 1030], values = [300, 1000, 300], form = "step" }'
     path.write_text(TANK.format(series=series, times=[3600.0]))
     found = run(load(path)).qoi
-    assert found["T_centre_max_K"] == pytest.approx(
+    assert found["T_centre_max_K"] == approx(
         300.0 + 700.0 * (1.0 - np.exp(-30.0 * RATE)), abs=0.7
     )
-    assert found["time_of_T_centre_max_s"] == pytest.approx(1030.0, abs=0.5)
+    assert found["time_of_T_centre_max_s"] == approx(1030.0, abs=0.5)
     assert "half_time_s" not in found  # nothing is lost
 
 
@@ -303,7 +302,7 @@ def test_template_runs():
     )
     assert found.status == "ok"
     # measured: 0.71 after 200 s
-    assert found.qoi["mass_fraction_end"] == pytest.approx(0.71, abs=0.04)
+    assert found.qoi["mass_fraction_end"] == approx(0.71, abs=0.04)
 
 
 @each_case(__file__, "mistakes")

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import skfem
+from pytest import approx
 
 from contbed.loading import loads
 from contbed.mesh.mesh import Mesh
@@ -56,13 +57,13 @@ def test_a_circle_has_its_diameter_and_rises_as_it_is_moved():
         bubbles.add(step * row, np.where(gas, 0.0, 0.55))
     found, table = bubbles.findings(8, 0.2)
     assert found["bubbles"] == 1.0
-    assert found["bubble_diameter_m"] == pytest.approx(diameter, rel=0.02)
-    assert found["bubble_diameter_max_m"] == pytest.approx(diameter, rel=0.02)
-    assert found["bubble_rise_m_s"] == pytest.approx(speed, rel=1e-9)
+    assert found["bubble_diameter_m"] == approx(diameter, rel=0.02)
+    assert found["bubble_diameter_max_m"] == approx(diameter, rel=0.02)
+    assert found["bubble_rise_m_s"] == approx(speed, rel=1e-9)
     share = 0.25 * np.pi * found["bubble_diameter_m"] ** 2 / (WIDTH * 0.2)
-    assert found["bubble_share"] == pytest.approx(share, rel=1e-9)
-    assert table["delta [1]"].mean() == pytest.approx(share, rel=1e-9)
-    assert np.nanmax(table["u_b [m/s]"]) == pytest.approx(speed, rel=1e-9)
+    assert found["bubble_share"] == approx(share, rel=1e-9)
+    assert table["delta [1]"].mean() == approx(share, rel=1e-9)
+    assert np.nanmax(table["u_b [m/s]"]) == approx(speed, rel=1e-9)
 
 
 def test_triangles_show_the_same_circle():
@@ -78,8 +79,8 @@ def test_triangles_show_the_same_circle():
     at_ends = grid.geometry.left[grid.interior + ends]
     found = open_regions(gas, links, at_ends, grid.geometry.volume, grid.centres)
     ((volume, x, y),) = found
-    assert np.sqrt(4.0 * volume / np.pi) == pytest.approx(0.04, rel=0.01)
-    assert (x, y) == pytest.approx((0.05, 0.1), abs=1e-4)
+    assert np.sqrt(4.0 * volume / np.pi) == approx(0.04, rel=0.01)
+    assert (x, y) == approx((0.05, 0.1), abs=1e-4)
 
 
 def test_a_circle_across_periodic_sides_is_one():
@@ -89,7 +90,7 @@ def test_a_circle_across_periodic_sides_is_one():
     bubbles.add(0.0, np.where(gas, 0.0, 0.55))
     found, _ = bubbles.findings(1, 0.2)
     assert found["bubbles"] == 1.0
-    assert found["bubble_diameter_m"] == pytest.approx(0.04, rel=0.01)
+    assert found["bubble_diameter_m"] == approx(0.04, rel=0.01)
 
 
 def test_the_outline_that_ranks_have_shows_the_same_bubbles():
@@ -101,7 +102,7 @@ def test_the_outline_that_ranks_have_shows_the_same_bubbles():
         bubbles = Bubbles(one)
         bubbles.add(0.0, np.where(gas, 0.0, 0.55))
         found.append(bubbles.findings(1, 0.2)[0])
-    assert found[1] == pytest.approx(found[0], rel=1e-12)
+    assert found[1] == approx(found[0], rel=1e-12)
 
 
 @pytest.mark.parametrize("middle", [(0.05, 0.0), (0.05, 0.2), (0.05, 0.25)])
@@ -119,7 +120,7 @@ def test_bubbles_are_followed_only_where_rows_are_near_enough():
     slow, fast = (
         rises(np.array([0.0, step]), diameter, centre, 9.81) for step in (0.044, 0.046)
     )
-    assert slow[1] == pytest.approx(0.01 / 0.044)
+    assert slow[1] == approx(0.01 / 0.044)
     assert np.isnan([slow[0], *fast]).all()
     other = rises(np.array([0.0, 0.02]), diameter * [1.0, 1.4], centre, 9.81)
     assert np.isnan(other).all()

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 from scipy.optimize import brentq
 
 from contbed import closures
@@ -73,7 +75,7 @@ def g0(name, eps_s, eps_max=0.6):
 )
 def test_terminal_velocity_of_one_particle(name, slip):
     found = brentq(lambda u: carried(name, 1 - 1e-9, u, **SEED), 0.1, 3.0)
-    assert found == pytest.approx(slip, abs=6e-6)  # five printed digits
+    assert found == approx(slip, abs=6e-6)  # five printed digits
 
 
 @each_case(__file__, "voidage_of_a_uniform_suspension")
@@ -81,7 +83,7 @@ def test_voidage_of_a_uniform_suspension(name, velocity, voidage):
     found = brentq(
         lambda eps: carried(name, eps, velocity / eps, **TAGHIPOUR), 0.4, 0.75
     )
-    assert found == pytest.approx(voidage, abs=6e-5)  # four printed digits
+    assert found == approx(voidage, abs=6e-5)  # four printed digits
 
 
 @pytest.mark.parametrize(
@@ -94,7 +96,7 @@ def test_voidage_of_a_uniform_suspension(name, velocity, voidage):
 )
 def test_velocity_that_carries_a_packing(name, velocity):
     found = 0.4 * brentq(lambda u: carried(name, 0.4, u, **TAGHIPOUR), 1e-3, 1.0)
-    assert found == pytest.approx(velocity, abs=6e-5)
+    assert found == approx(velocity, abs=6e-5)
 
 
 @pytest.mark.parametrize("name", DRAG)
@@ -125,8 +127,8 @@ def test_drag_has_no_jump(name):
     def each(Re, eps):
         return function(Re, eps, 1e-3, 1.8e-5) / (1 - eps)
 
-    np.testing.assert_allclose(each(50.0, eps - 1e-9), each(50.0, eps), rtol=1e-5)
-    np.testing.assert_allclose(each(Re * (1 + 1e-9), 0.9), each(Re, 0.9), rtol=1e-5)
+    assert_allclose(each(50.0, eps - 1e-9), each(50.0, eps), rtol=1e-5)
+    assert_allclose(each(Re * (1 + 1e-9), 0.9), each(Re, 0.9), rtol=1e-5)
 
 
 def test_wen_yu_joins_its_two_laws_within_a_few_per_cent_of_the_reynolds_number():
@@ -135,8 +137,8 @@ def test_wen_yu_joins_its_two_laws_within_a_few_per_cent_of_the_reynolds_number(
         for Re in (900.0, 1100.0)
     )
     # a tail of exp(-10) of the 0.4 % by which they differ
-    assert below == pytest.approx(18 * (1 + 0.15 * 900.0**0.687), rel=1e-5)
-    assert above == pytest.approx(0.33 * 1100.0, rel=1e-5)
+    assert below == approx(18 * (1 + 0.15 * 900.0**0.687), rel=1e-5)
+    assert above == approx(0.33 * 1100.0, rel=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -152,7 +154,7 @@ def test_shear_against_dissipation(eps_s, restitution, expected):
     contact = g0("g0_sinclair_jackson", eps_s)
     mu = closures.granular_viscosity_gidaspow(eps_s, contact, restitution)
     gamma = closures.granular_dissipation_lun(eps_s, contact, restitution)
-    assert mu / gamma == pytest.approx(expected, rel=3e-6)  # six printed digits
+    assert mu / gamma == approx(expected, rel=3e-6)  # six printed digits
 
 
 def test_rate_of_cooling():
@@ -160,17 +162,17 @@ def test_rate_of_cooling():
     eps_s.
     """
     contact = g0("g0_sinclair_jackson", 0.3)
-    assert contact == pytest.approx(4.84732, abs=6e-6)
+    assert contact == approx(4.84732, abs=6e-6)
     b = closures.granular_dissipation_lun(0.3, contact, 0.95) / (1.5 * 0.3 * 150e-6)
-    assert b == pytest.approx(4266.30, abs=6e-3)
-    assert 1e-2 / (1 + b * 0.1 * 0.1 / 2) ** 2 == pytest.approx(2.005229e-5, rel=3e-6)
+    assert b == approx(4266.30, abs=6e-3)
+    assert 1e-2 / (1 + b * 0.1 * 0.1 / 2) ** 2 == approx(2.005229e-5, rel=3e-6)
 
 
 def test_bulk_viscosity_is_five_thirds_of_the_collisional_viscosity():
     s, e = np.linspace(0.01, 0.6, 20), 0.9
     contact = g0("g0_lun_savage", s, 0.63)
     collisional = closures.granular_viscosity_gidaspow(s, contact, e, kinetic=0.0)
-    np.testing.assert_allclose(
+    assert_allclose(
         closures.granular_bulk_lun(s, contact, e), 5.0 / 3.0 * collisional, rtol=1e-14
     )
 
@@ -197,7 +199,7 @@ def test_dilute_limits_of_viscosity(name):
         if "gidaspow" in name
         else s * np.pi**0.5 / (6 * 2.1)
     )
-    np.testing.assert_allclose(values, expected * np.ones(3), rtol=2e-3)
+    assert_allclose(values, expected * np.ones(3), rtol=2e-3)
 
 
 def test_guards_end_in_one_and_zero():
@@ -211,7 +213,7 @@ def test_guards_end_in_one_and_zero():
     }
     assert share_drag(eps_s=0.5, **base | {"K": 0.0}) == 1.0
     assert share_drag(eps_s=1e-9, **base) < 1e-3
-    assert share_free_path(0.5, 5.0, 150e-6, 0.01) == pytest.approx(1.0, abs=1e-3)
+    assert share_free_path(0.5, 5.0, 150e-6, 0.01) == approx(1.0, abs=1e-3)
     assert share_free_path(1e-9, 1.0, 150e-6, 0.01) < 1e-4
 
 
@@ -220,7 +222,7 @@ def test_friction_begins_where_particles_touch_and_is_smooth():
     p = closures.friction_johnson_jackson(eps_s, 0.63)
     assert (p[:2] == 0).all()
     assert 0 < p[2] < 1e-6
-    assert p[3] == pytest.approx(0.05 * 0.1**2 / 0.03**5, rel=1e-12)
+    assert p[3] == approx(0.05 * 0.1**2 / 0.03**5, rel=1e-12)
 
 
 def test_yield_stress_of_schaeffer_does_not_depend_on_the_rate():
@@ -229,11 +231,11 @@ def test_yield_stress_of_schaeffer_does_not_depend_on_the_rate():
     """
     rates = np.array([5.0, 50.0, 500.0])
     stress = 2.0 * rates * closures.friction_viscosity_schaeffer(80.0, 0.5, rates)
-    np.testing.assert_allclose(stress, 80.0 * np.sin(0.5), rtol=1e-4)
-    assert closures.friction_viscosity_schaeffer(80.0, 0.5, 0.0) == pytest.approx(
+    assert_allclose(stress, 80.0 * np.sin(0.5), rtol=1e-4)
+    assert closures.friction_viscosity_schaeffer(80.0, 0.5, 0.0) == approx(
         80.0 * np.sin(0.5) / 0.1
     )
-    assert closures.friction_viscosity_newtonian(80.0, 0.5) == pytest.approx(
+    assert closures.friction_viscosity_newtonian(80.0, 0.5) == approx(
         0.5 * 80.0 * np.sin(0.5)
     )
 
@@ -267,7 +269,7 @@ def test_compiled_functions_are_those_of_numpy(name):
         kernel(*(np.broadcast_to(known[k], s.shape)[i] for k in names), *options)
         for i in range(len(s))
     ]
-    np.testing.assert_allclose(one, function(*(known[k] for k in names)), rtol=1e-13)
+    assert_allclose(one, function(*(known[k] for k in names)), rtol=1e-13)
 
 
 def filtered_over_plain(eps_s, filter_froude):
@@ -288,17 +290,17 @@ def test_filtered_drag_has_the_values_of_its_formulas():
     path = Path(__file__).parents[1] / "data/filtered_drag_igci.csv"
     eps_s, froude, factor = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
     assert len(factor) == 120
-    np.testing.assert_allclose(filtered_over_plain(eps_s, froude), factor, rtol=6e-5)
+    assert_allclose(filtered_over_plain(eps_s, froude), factor, rtol=6e-5)
 
 
 def test_filtered_drag_without_filter_and_at_its_ends():
     eps_s = np.array([1e-9, 1e-8, 0.3, 0.64])
-    np.testing.assert_array_equal(filtered_over_plain(eps_s, 0.0), 1.0)
+    assert_array_equal(filtered_over_plain(eps_s, 0.0), 1.0)
     found = filtered_over_plain(eps_s, 32.0)
-    assert found[0] == pytest.approx(found[1], rel=1e-12)
+    assert found[0] == approx(found[1], rel=1e-12)
     assert found[0] > 0.8  # dilute: hardly any clusters
     assert found[2] < 0.25
-    assert found[3] == pytest.approx(1.0, abs=1e-4)  # dense: no room for clusters
+    assert found[3] == approx(1.0, abs=1e-4)  # dense: no room for clusters
 
 
 def milioli_over_plain(eps_s, slip, filter_froude, Re_t=1.3):
@@ -342,9 +344,7 @@ def test_drag_filtered_with_the_slip_has_the_values_of_its_formulas():
     eps_s, froude, *factors = MILIOLI
     froude = np.array([fitted.get(F, F) for F in froude])
     for slip, factor in zip((0.5, 1.0, 2.0), factors, strict=True):
-        np.testing.assert_allclose(
-            milioli_over_plain(eps_s, slip, froude), factor, atol=6e-4
-        )
+        assert_allclose(milioli_over_plain(eps_s, slip, froude), factor, atol=6e-4)
     assert eps_s.shape == (120,)
 
 
@@ -356,7 +356,7 @@ def test_drag_filtered_with_the_slip_between_its_filters():
     found = milioli_over_plain(0.1, 1.0, between)
     assert (np.diff(found) <= 0.0).all()
     assert np.abs(np.diff(found)).max() < 1e-2 * np.ptp(found)
-    np.testing.assert_allclose(
+    assert_allclose(
         milioli_over_plain(np.array([0.01, 0.3]), 2.0, 1.028), 1.0, rtol=1e-14
     )
     eps_s, slip, froude = np.meshgrid(
@@ -380,16 +380,14 @@ def test_filtered_stress_has_the_values_of_its_formulas():
     size = 0.48 * 4.0**0.86 * (1.0 - np.exp(-4.0 / 1.4))
     kinetic = -0.185e-3 + 0.066e-2 - 0.0000183 + 0.00232
     clusters = size * (0.1 - 0.59) * (-1.69 * 0.1 - 4.61 * 0.1**2 + 11.0 * 0.1**3)
-    assert pressure(0.1, 1.0, 0.9, filter_froude=4.0) == pytest.approx(
+    assert pressure(0.1, 1.0, 0.9, filter_froude=4.0) == approx(
         kinetic + clusters, rel=1e-12
     )
-    assert pressure(0.1, 1.0, 0.9, filter_froude=0.0) == pytest.approx(
-        kinetic, rel=1e-12
-    )
-    assert pressure(0.005, 1.0, 0.9, filter_froude=0.0) == pytest.approx(
+    assert pressure(0.1, 1.0, 0.9, filter_froude=0.0) == approx(kinetic, rel=1e-12)
+    assert pressure(0.005, 1.0, 0.9, filter_froude=0.0) == approx(
         -10.4 * 0.005**2 + 0.31 * 0.005, rel=1e-12
     )
-    assert pressure(0.4, 1.0, 0.9, filter_froude=0.0) == pytest.approx(
+    assert pressure(0.4, 1.0, 0.9, filter_froude=0.0) == approx(
         -0.00978 * 0.4 + 0.00615, rel=1e-12
     )
     theory = 2.72e-4 - 1.55e-3 + 0.329e-2 - 0.0296e-1 + 0.00136
@@ -401,18 +399,18 @@ def test_filtered_stress_has_the_values_of_its_formulas():
         * (-0.122 - 0.7e-2 - 2e-3)
     )
     found = viscosity(0.1, 1.0, 0.9, filter_froude=4.0, terminal_froude=88.0)
-    assert found == pytest.approx(88.0 * (theory + clusters), rel=1e-12)
+    assert found == approx(88.0 * (theory + clusters), rel=1e-12)
     thin = 1720 * 1e-8 - 215e-6 + 9.81e-4 - 0.207e-2 + 0.00254
-    assert viscosity(
-        0.01, 1.0, 0.9, filter_froude=0.0, terminal_froude=1.0
-    ) == pytest.approx(thin, rel=1e-12)
+    assert viscosity(0.01, 1.0, 0.9, filter_froude=0.0, terminal_froude=1.0) == approx(
+        thin, rel=1e-12
+    )
     thick = -0.0128 * 0.4**3 + 0.0107 * 0.4**2 - 0.0005 * 0.4 + 0.000335
-    assert viscosity(
-        0.4, 1.0, 0.9, filter_froude=0.0, terminal_froude=1.0
-    ) == pytest.approx(thick, rel=1e-12)
+    assert viscosity(0.4, 1.0, 0.9, filter_froude=0.0, terminal_froude=1.0) == approx(
+        thick, rel=1e-12
+    )
     for law, more in ((pressure, {}), (viscosity, {"terminal_froude": 88.0})):
         packed = [law(0.63, 1.0, 0.9, filter_froude=F, **more) for F in (0.0, 30.0)]
-        assert packed[1] == pytest.approx(packed[0], rel=0.2)
+        assert packed[1] == approx(packed[0], rel=0.2)
         s = np.linspace(0.0, 0.65, 1001)
         assert (law(s, 1.0, 0.9, filter_froude=4.0, **more)[1:] > 0.0).all()
 
@@ -498,16 +496,12 @@ def test_filtered_stress_comes_with_its_granular_temperature():
     rheology, theta = bed.state.properties.rheology, bed.state.theta
     pressure = closures.granular_pressure_igci(0.05, 1.0, 0.9, F)
     # fades below 1e-8
-    np.testing.assert_allclose(
-        rheology.pressure * theta, SETTLING**2 * pressure, rtol=1e-5
-    )
+    assert_allclose(rheology.pressure * theta, SETTLING**2 * pressure, rtol=1e-5)
     viscosity = closures.granular_viscosity_igci(
         0.05, 1.0, 0.9, F, SETTLING**2 / GRAVITY / 75e-6
     )
-    np.testing.assert_allclose(
-        rheology.mu, 1500.0 * 75e-6 * SETTLING * viscosity, rtol=1e-5
-    )
-    assert bound(scene)["drag"].parameters["Re_t"] == pytest.approx(
+    assert_allclose(rheology.mu, 1500.0 * 75e-6 * SETTLING * viscosity, rtol=1e-5)
+    assert bound(scene)["drag"].parameters["Re_t"] == approx(
         1.2 * SETTLING * 75e-6 / 1.8e-5, rel=1e-12
     )
     refused(
@@ -549,11 +543,11 @@ def test_plan_and_results_tell_the_size_of_the_filter(name, more, size):
         for text in lines.values()
     )
     named = filters.results(found.scene)
-    assert named["filter_size [m]"] == pytest.approx(2 * size, rel=1e-12)
-    assert named["filter_froude"] == pytest.approx(2 * size / length, rel=1e-12)
+    assert named["filter_size [m]"] == approx(2 * size, rel=1e-12)
+    assert named["filter_froude"] == approx(2 * size / length, rel=1e-12)
     assert not any("filter" in text for text in found.warnings)
     drag = bound(found.scene)["drag"].parameters
-    assert drag["filter_froude"] == pytest.approx(2 * size / length, rel=1e-12)
+    assert drag["filter_froude"] == approx(2 * size / length, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -635,7 +629,7 @@ def test_pressure_that_falls_with_the_fraction_leaves_compaction_solvable(shape)
 def test_factors_near_walls_have_the_values_of_their_formulas(kind):
     a, b = NEAR_WALLS[kind]
     x = np.array([0.0, 1.0, 5.0, 200.0])
-    np.testing.assert_allclose(
+    assert_allclose(
         closures.get(f"{kind}_igci", kind)(x),
         1.0 / (1.0 + a * np.exp(-b * x)),
         rtol=1e-14,
@@ -657,7 +651,7 @@ def test_distances_are_those_from_the_walls_beside_the_flow(name, distance):
     scene = from_dict(tank(TANKS[name]))
     grid = plan(scene).grid
     across = grid.centres[:, :-1].T
-    np.testing.assert_allclose(distances(scene, grid), distance(*across), rtol=1e-12)
+    assert_allclose(distances(scene, grid), distance(*across), rtol=1e-12)
 
 
 def test_factors_near_walls_multiply_drag_pressure_and_viscosity():
@@ -688,13 +682,11 @@ def test_factors_near_walls_multiply_drag_pressure_and_viscosity():
         packing=(first, spacing, table),
     )
     near = corrected(plain, bound(scene), scene, grid)
-    np.testing.assert_array_equal(near.wall_froude, x)
+    assert_array_equal(near.wall_froude, x)
     drag, pressure, viscosity = (
         1.0 / (1.0 + a * np.exp(-b * x)) for a, b in NEAR_WALLS.values()
     )
-    np.testing.assert_allclose(
-        near.drag(eps_s, theta), drag * eps_s * theta, rtol=1e-13
-    )
+    assert_allclose(near.drag(eps_s, theta), drag * eps_s * theta, rtol=1e-13)
     r, found = theory(eps_s, theta, theta), near.granular(eps_s, theta, theta)
     rub = r.stiffness - 3.0 * theta
     expected = {
@@ -703,13 +695,13 @@ def test_factors_near_walls_multiply_drag_pressure_and_viscosity():
         "stiffness": 3.0 * pressure * theta + rub,
     }
     for name, field in r._asdict().items():
-        np.testing.assert_allclose(
+        assert_allclose(
             getattr(found, name), expected.get(name, field), rtol=1e-13, err_msg=name
         )
     # the slope of each piece of the table in its middle, zero below its start
     middle = np.array([first - spacing, *(first + spacing * (np.arange(100) + 0.5))])
     slope = np.array([0.0, *(np.diff(table) / spacing)])
-    np.testing.assert_allclose(
+    assert_allclose(
         friction_stiffness(middle, (first, spacing, table)), slope, rtol=1e-12
     )
 

@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from core_closures import bed, closures, line
+from numpy.testing import assert_allclose
+from pytest import approx
 
 from contbed.two_fluid import boundary
 from contbed.two_fluid.cell_velocities import FaceVelocities, Gathered, gather_solid
@@ -52,7 +54,7 @@ def test_compaction_velocity_fades_towards_packing(eps_s, kept):
     add_compaction_velocity(g, np.array([1.0, 0.0, 0.0]), 0.63, np.full(2, eps_s), u)
     # one of the two faces of each cell moves, with 1/eps_s of the velocity of the
     # mixture
-    np.testing.assert_allclose(u * eps_s * g.normal[0, 0], 0.5 * kept, atol=1e-12)
+    assert_allclose(u * eps_s * g.normal[0, 0], 0.5 * kept, atol=1e-12)
 
 
 def test_cell_without_particles_on_its_faces():
@@ -66,8 +68,8 @@ def test_cell_without_particles_on_its_faces():
         out = Gathered(*(np.full((3, 1), np.nan) for _ in range(4)))
         faces = FaceVelocities(speed, speed, speed, speed, np.full(nf, fraction))
         gather_solid(g, faces, s, np.zeros((3, 1, 1)), np.zeros((3, 1, 1)), False, out)
-        np.testing.assert_allclose(out.solid, expected, rtol=1e-11)
-        np.testing.assert_allclose(out.h_solid, expected, rtol=1e-11)
+        assert_allclose(out.solid, expected, rtol=1e-11)
+        assert_allclose(out.h_solid, expected, rtol=1e-11)
 
 
 def limited(count, s, flux, dt=1.0, highest=0.6):
@@ -116,7 +118,7 @@ def test_limiter_fills_a_row_cell_by_cell(count, converges):
     assert rounds <= 51
     assert np.allclose(out[1:], 0.6, rtol=1e-9) == converges
     assert (rounds < 50) == converges
-    assert out.sum() == pytest.approx(s.sum(), rel=1e-13)
+    assert out.sum() == approx(s.sum(), rel=1e-13)
 
 
 def test_few_particles_do_not_bind_the_step():
@@ -134,7 +136,7 @@ def test_few_particles_do_not_bind_the_step():
             outflow_gas=np.zeros(10), outflow_solid=np.full(10, 200.0)
         )
         b.state = replace(b.state, fluxes=fluxes)
-        assert b.next_step() == pytest.approx(expected)
+        assert b.next_step() == approx(expected)
 
 
 def test_excess_of_viscosity_is_over_relaxed():
@@ -152,5 +154,5 @@ def test_excess_of_viscosity_is_over_relaxed():
     add_stress(g, b.model.edge.solid, fluid, motion, system, np.zeros(2))
     # the wall of the cell at rest takes nothing from it: what is left is the explicit
     # force of the excess, 4/2
-    assert system.rhs[0, 0] == pytest.approx(2.0)
-    assert system.coef[0, 0] == pytest.approx(2.0 * 2.0)
+    assert system.rhs[0, 0] == approx(2.0)
+    assert system.coef[0, 0] == approx(2.0 * 2.0)

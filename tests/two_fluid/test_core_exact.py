@@ -5,6 +5,8 @@ rest, mass, symmetry, energy.
 import numpy as np
 import pytest
 from core_closures import bed, closures, line, rectangle, solids
+from numpy.testing import assert_allclose
+from pytest import approx
 from scipy.optimize import brentq
 
 from contbed.errors import ConvergenceError, SceneError
@@ -61,7 +63,7 @@ def haff(dt, order, end, drag=0.0):
 
 def test_homogeneous_cooling():
     # 1e-3 at dt = 1e-5 is what V1 asks for
-    np.testing.assert_allclose(haff(1e-5, 1, 0.005), 1.0, rtol=1e-3)
+    assert_allclose(haff(1e-5, 1, 0.005), 1.0, rtol=1e-3)
 
 
 @pytest.mark.parametrize("drag", [0.0, 50.0])
@@ -94,7 +96,7 @@ def test_walls_produce_and_dissipate_as_johnson_and_jackson_say():
         b.advance(dt)
         rates.append(np.mean(b.state.theta - theta) / dt)
     common = 2.0 * np.pi * 3.0**0.5 * theta**0.5 / 0.63 / (1.5 * height)
-    assert rates == pytest.approx(
+    assert rates == approx(
         [common * phi * U**2 / 6.0, -common * (1.0 - e**2) * theta / 4.0], rel=2e-3
     )
 
@@ -123,9 +125,9 @@ def test_walls_drag_rubbing_particles_with_coulombs_stress(viscosity, shape):
             - 1.0
         )
     assert np.abs(errors[-1]) < 5e-3
-    assert orders(errors) == pytest.approx(1.0, abs=0.1)
+    assert orders(errors) == approx(1.0, abs=0.1)
     b.advance(0.5)
-    np.testing.assert_allclose(b.state.u_solid[:, 0], U, rtol=1e-6)
+    assert_allclose(b.state.u_solid[:, 0], U, rtol=1e-6)
 
 
 def test_shear_between_moving_walls_on_triangles():
@@ -154,8 +156,8 @@ def test_shear_between_moving_walls_on_triangles():
     b.start(eps_s=0.3, u_solid=0.8 * u, theta=1.3 * exact)
     b.advance(0.3)
     # V2 asks for 1e-3 on 32 cells
-    np.testing.assert_allclose(b.state.theta, exact, rtol=1e-3)
-    np.testing.assert_allclose(b.state.u_solid, u, atol=1e-3 * speed)
+    assert_allclose(b.state.theta, exact, rtol=1e-3)
+    assert_allclose(b.state.u_solid, u, atol=1e-3 * speed)
 
 
 # ---------------------------------------------------------------------- drag and gravity
@@ -174,7 +176,7 @@ def test_shear_rate_of_linear_motion(shape):
         ([[3.0, 0.0], [0.0, 1.0]], np.sqrt(7 / 3)),
     ):
         b.start(eps_s=0.5, u_solid=b.model.grid.centres @ np.array(strain).T)
-        np.testing.assert_allclose(
+        assert_allclose(
             shear_rate(b.state.u_solid, b.state.eps_s, b.model)[inner], rate, rtol=1e-12
         )
 
@@ -191,7 +193,7 @@ def test_slip_relaxes_and_momentum_stays(order):
         b.start(eps_s=s, u_gas=1.0)
         b.advance(end)
         errors.append(abs((b.state.u_gas - b.state.u_solid)[0, 0] / exact - 1))
-        np.testing.assert_allclose(
+        assert_allclose(
             1.2 * (1 - s) * b.state.u_gas + 2500 * s * b.state.u_solid,
             1.2 * (1 - s),
             rtol=1e-12,
@@ -225,7 +227,7 @@ def test_terminal_slip_for_any_step(dt):
     )
     for _ in range(200):
         b.step(dt)
-    np.testing.assert_allclose(b.state.u_gas - b.state.u_solid, slip, rtol=1e-8)
+    assert_allclose(b.state.u_gas - b.state.u_solid, slip, rtol=1e-8)
 
 
 def settled(cells, end, options):
@@ -320,7 +322,7 @@ def test_solids_stay_for_every_wall(wall, shape):
         )
     left = b.state.account.solid_out
     # V8: 1e-12 of the mass, what left through the outlet counted
-    assert solids(b) + left == pytest.approx(before, rel=1e-12)
+    assert solids(b) + left == approx(before, rel=1e-12)
     g = b.model.grid.geometry
     total = np.zeros(len(b.state.p))
     np.add.at(total, g.left, b.state.fluxes.total)
@@ -340,12 +342,12 @@ def test_inflow_is_counted():
     )
     b.start(eps_s=0.0, u_gas=np.array([0.0, 1.0]))
     b.advance(0.1)
-    assert b.state.account.solid_in == pytest.approx(60.0 / 2500 * 0.1 * 0.1, rel=1e-12)
-    assert solids(b) == pytest.approx(
+    assert b.state.account.solid_in == approx(60.0 / 2500 * 0.1 * 0.1, rel=1e-12)
+    assert solids(b) == approx(
         b.state.account.solid_in - b.state.account.solid_out, rel=1e-12
     )
     gas_in = b.state.account.gas_in + b.state.account.solid_in
-    assert gas_in == pytest.approx(
+    assert gas_in == approx(
         b.state.account.gas_out + b.state.account.solid_out, rel=1e-10
     )
 
@@ -364,7 +366,7 @@ def test_mirror_symmetry():
         b.state.eps_s * b.state.u_solid[:, 1],
         b.state.u_gas[:, 1],
     ):
-        np.testing.assert_allclose(field[here], field[there], rtol=0, atol=1e-10)
+        assert_allclose(field[here], field[there], rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -422,7 +424,7 @@ def test_limiter_keeps_bounds_and_mass():
             g, 0.01, limiter.Bounds(s, np.zeros(64), 0.6), flux, out, upwind_cells
         )
         assert out.min() >= 0 and out.max() <= 0.6
-        assert out @ g.volume == pytest.approx(s @ g.volume, rel=1e-13)
+        assert out @ g.volume == approx(s @ g.volume, rel=1e-13)
         assert (np.abs(flux) <= np.abs(given)).all() and (flux * given >= 0).all()
 
 

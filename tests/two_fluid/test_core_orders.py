@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from core_closures import bed, closures, rectangle
 from gmsh_meshes import unstructured
+from pytest import approx
 
 from contbed.two_fluid.boundary import Given
 from contbed.two_fluid.fv.reconstruction import limited_increment
@@ -168,14 +169,14 @@ def test_linear_profiles_are_reconstructed_exactly():
     (van Leer 1979).
     """
     for limited in (False, True):
-        assert limited_increment(0.5, 1.0, 1.0, -0.1, limited) == pytest.approx(0.4)
-        assert limited_increment(-0.5, -1.0, -1.0, 0.1, limited) == pytest.approx(-0.4)
+        assert limited_increment(0.5, 1.0, 1.0, -0.1, limited) == approx(0.4)
+        assert limited_increment(-0.5, -1.0, -1.0, 0.1, limited) == approx(-0.4)
     assert limited_increment(0.0, 0.0, 1.0, 0.0, True) == 0.0
     # differences of 0.2 before and 1.8 behind: the mean 1 is cut to 0.4
-    assert limited_increment(0.5, 1.0, 0.2, 0.0, True) == pytest.approx(0.2)
+    assert limited_increment(0.5, 1.0, 0.2, 0.0, True) == approx(0.2)
     # 1.2 before and 0.8 behind: the mean stays, as twice the smaller one is larger
-    assert limited_increment(0.5, 1.0, 1.2, 0.0, True) == pytest.approx(0.5)
-    assert limited_increment(0.5, 1.0, 1.5, 0.0, True) == pytest.approx(0.5)
+    assert limited_increment(0.5, 1.0, 1.2, 0.0, True) == approx(0.5)
+    assert limited_increment(0.5, 1.0, 1.5, 0.0, True) == approx(0.5)
 
 
 @pytest.mark.parametrize(("limited", "lowest"), [(False, 1.95), (True, 1.8)])

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.integrate import cumulative_trapezoid, trapezoid
 
 import contbed as cb
@@ -38,7 +39,7 @@ def test_reference(channel):
         "eps_solid_centre": 0.057977764, "eps_solid_wall": 0.0078356341,
     }  # fmt: skip
     for name, value in expected.items():
-        assert channel.qoi[name] == pytest.approx(value, rel=1e-6), name
+        assert channel.qoi[name] == approx(value, rel=1e-6), name
 
 
 def test_balances_close(channel):
@@ -88,9 +89,7 @@ def test_gas_alone_is_parabolic(section, peak):
     r, u = result.profiles["r [m]"], result.profiles["u_gas [m/s]"]
     np.testing.assert_allclose(u, 0.1 * peak * (1 - (r / r[-1]) ** 2), atol=1e-10)
     shear = 2 * peak * 0.1 * 1.8e-5 / r[-1] ** 2 * (2 if section == "pipe" else 1)
-    assert result.qoi["pressure_gradient_Pa_m"] == pytest.approx(
-        1.2 * 9.81 + shear, rel=1e-10
-    )
+    assert result.qoi["pressure_gradient_Pa_m"] == approx(1.2 * 9.81 + shear, rel=1e-10)
 
 
 def test_refinement_of_quadratic_elements():
@@ -115,7 +114,7 @@ def test_pipe_holds_the_same_conditions():
         (DENSITY * s * c["u_solid [m/s]"], 100.0),
     ):
         mean = 2 * trapezoid(carried * r, r) / r[-1] ** 2
-        assert mean == pytest.approx(given, rel=1e-3)  # trapezoids between nodes
+        assert mean == approx(given, rel=1e-3)  # trapezoids between nodes
     assert_closed(result, 1e-10, "momentum")
 
 
@@ -124,4 +123,4 @@ def test_guesses_lead_to_the_branch_that_is_told():
         run(developed_flow__granular_temperature_centre=guess).qoi["theta_centre"]
         for guess in (0.005, 0.3)
     ]
-    assert found == pytest.approx([0.027872205] * 2, rel=1e-6)
+    assert found == approx([0.027872205] * 2, rel=1e-6)

@@ -4,6 +4,7 @@ the eddy viscosity, a riser.
 
 import numpy as np
 import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.closures.turbulence import eddy_viscosity_nikuradse
@@ -59,7 +60,7 @@ def test_friction_and_profile_of_smooth_pipes(Re):
     result = cb.run(scene)
     U = scene.developed_flow.gas_velocity
     f = (result.qoi["pressure_gradient_Pa_m"] - 1.2 * 9.81) * 2 * R / (0.5 * 1.2 * U**2)
-    assert f == pytest.approx(prandtl_friction(Re), rel=0.035)
+    assert f == approx(prandtl_friction(Re), rel=0.035)
     u_friction = U * (f / 8) ** 0.5
     y = (R - result.profiles["r [m]"]) * u_friction / NU
     within = (y > 30) & (y < 100)
@@ -73,23 +74,23 @@ def test_friction_and_profile_of_smooth_pipes(Re):
 @pytest.mark.parametrize(("Re", "f"), [(1e4, 0.03089), (1e5, 0.01799), (1e6, 0.01165)])
 def test_friction_of_smooth_pipes(Re, f):
     """Values of Prandtl's law to four digits."""
-    assert prandtl_friction(Re) == pytest.approx(f, abs=5e-6)
+    assert prandtl_friction(Re) == approx(f, abs=5e-6)
 
 
 def test_limits_of_the_eddy_viscosity():
     flow = {"radius": R, "u_friction": 1.0, "nu": NU}
     centre = eddy_viscosity_nikuradse(y=R, shear_rate=100.0, drag_rate=0.0, **flow)
-    assert centre == pytest.approx((0.14 * R) ** 2 * 100.0, rel=1e-12)
+    assert centre == approx((0.14 * R) ** 2 * 100.0, rel=1e-12)
     assert eddy_viscosity_nikuradse(y=0.0, shear_rate=1e4, drag_rate=0.0, **flow) == 0.0
     # 0.4 y in the layer that the wall does not damp
     y = np.array([1e-3])
     fast = flow | {"u_friction": 10.0}
     assert eddy_viscosity_nikuradse(
         y=y, shear_rate=1.0, drag_rate=0.0, **fast
-    ) == pytest.approx((0.4 * y) ** 2, rel=0.1)
+    ) == approx((0.4 * y) ** 2, rel=0.1)
     # shear that drag of particles outweighs: (l du/dr)^2 over 2 drag_rate/0.3
     damped = eddy_viscosity_nikuradse(y=R, shear_rate=1.0, drag_rate=1e6, **flow)
-    assert damped == pytest.approx((0.14 * R) ** 2 * 0.3 / 2e6, rel=1e-6)
+    assert damped == approx((0.14 * R) ** 2 * 0.3 / 2e6, rel=1e-6)
 
 
 def test_laminar_gas_takes_no_eddy_viscosity():

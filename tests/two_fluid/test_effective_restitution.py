@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 from scipy.optimize import brentq
 
 import contbed as cb
@@ -63,7 +65,7 @@ def exact(e, mu, beta0=0.0):
 @pytest.mark.parametrize("name", NAMES)
 def test_without_friction_it_is_the_restitution(name):
     e = np.linspace(0.5, 1.0, 11)
-    np.testing.assert_array_equal(effective(name, e, 0.0), e)
+    assert_array_equal(effective(name, e, 0.0), e)
 
 
 @pytest.mark.parametrize(
@@ -71,14 +73,14 @@ def test_without_friction_it_is_the_restitution(name):
 )
 def test_little_friction_takes_in_proportion(name, slope):
     # second order of mu: a few times mu, relatively
-    assert (0.9 - effective(name, 0.9, 1e-6)) / 1e-6 == pytest.approx(slope, rel=1e-5)
+    assert (0.9 - effective(name, 0.9, 1e-6)) / 1e-6 == approx(slope, rel=1e-5)
 
 
 def test_most_friction_of_chialvo_and_sundaresan_is_at_a_third():
     mu = np.linspace(0.0, 1.0, 3001)
     least = effective("chialvo_sundaresan", 0.97, mu)
-    assert mu[least.argmin()] == pytest.approx(1.0 / 3.0, abs=1e-3)
-    assert least.min() == pytest.approx(0.97 - 0.5 / np.e, abs=1e-6)
+    assert mu[least.argmin()] == approx(1.0 / 3.0, abs=1e-3)
+    assert least.min() == approx(0.97 - 0.5 / np.e, abs=1e-6)
 
 
 @pytest.mark.parametrize("beta0", [0.0, 0.4])
@@ -103,7 +105,7 @@ def test_jenkins_and_zhang_follow_from_collisions(beta0):
 def test_both_are_near_the_collisions_of_glass(name, most):
     # no closed form is met exactly at e = 0.97, mu = 0.1: exact 0.8446, found 0.8589
     # and 0.8535
-    assert effective(name, 0.97, 0.1) == pytest.approx(
+    assert effective(name, 0.97, 0.1) == approx(
         np.sqrt(1.0 - exact(0.97, 0.1)), abs=most
     )
 
@@ -123,10 +125,10 @@ def test_cooling_follows_haff_with_the_effective_restitution():
     )
     # 2.4e-4 is left at this step, 6.4e-5 and 1.7e-5 at a half and a quarter of it: of
     # second order
-    assert result.qoi["theta_final"] == pytest.approx(
+    assert result.qoi["theta_final"] == approx(
         1e-2 / (1.0 + 0.1 * b * 0.02 / 2.0) ** 2, rel=5e-4
     )
-    assert result.qoi["effective_restitution"] == pytest.approx(e, rel=1e-15)
+    assert result.qoi["effective_restitution"] == approx(e, rel=1e-15)
 
 
 def test_only_the_dissipation_takes_it():
@@ -144,9 +146,9 @@ def test_only_the_dissipation_takes_it():
     plain, rubbing = found
     ratio = rubbing.pop("dissipation") / plain.pop("dissipation")
     e = effective("chialvo_sundaresan", 0.95, 0.1)
-    np.testing.assert_allclose(ratio, (1.0 - e**2) / (1.0 - 0.95**2), rtol=1e-14)
+    assert_allclose(ratio, (1.0 - e**2) / (1.0 - 0.95**2), rtol=1e-14)
     for name, values in plain.items():
-        np.testing.assert_array_equal(rubbing[name], values)
+        assert_array_equal(rubbing[name], values)
 
 
 def test_no_friction_changes_no_bit():

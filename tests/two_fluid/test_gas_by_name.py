@@ -3,6 +3,7 @@ fluid of CoolProp.
 """
 
 import pytest
+from pytest import approx
 
 from contbed.loading import from_dict
 from contbed.materials import gas_mixture
@@ -82,7 +83,7 @@ def cold():
 
 @each_case(__file__, "properties_are_those_at_one_temperature")
 def test_properties_are_those_at_one_temperature(changes, without, T):
-    assert from_dict(changed(BED, changes, without)).fluid[:4] == pytest.approx(
+    assert from_dict(changed(BED, changes, without)).fluid[:4] == approx(
         properties(AIR, T), rel=1e-12
     )
 
@@ -90,20 +91,18 @@ def test_properties_are_those_at_one_temperature(changes, without, T):
 def test_the_two_libraries_agree_on_air():
     """CoolProp's air has argon: within 2 %."""
     found = from_dict(changed(BED, {"gas": COOLPROP})).fluid
-    assert found[:4] == pytest.approx(properties(AIR, 600.0), rel=0.02)
+    assert found[:4] == approx(properties(AIR, 600.0), rel=0.02)
 
 
 def test_a_liquid_of_the_library():
     salt = {"material": "solar_salt", "material_temperature": "340 degC"}
-    assert from_dict(changed(BED, {"gas": salt})).fluid.density == pytest.approx(
+    assert from_dict(changed(BED, {"gas": salt})).fluid.density == approx(
         2263.7234 - 0.636 * 613.15
     )
 
 
 def test_developed_flow_takes_them_at_the_reference_temperature():
-    assert from_dict(RISER).fluid[:4] == pytest.approx(
-        properties(AIR, 400.0), rel=1e-12
-    )
+    assert from_dict(RISER).fluid[:4] == approx(properties(AIR, 400.0), rel=1e-12)
 
 
 @pytest.mark.parametrize(

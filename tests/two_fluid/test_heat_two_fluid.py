@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from core_closures import bed, closures, line, rectangle
+from numpy.testing import assert_allclose
+from pytest import approx
 from scipy.linalg import expm
 
 import contbed as cb
@@ -94,8 +96,8 @@ def test_closed_suspension_is_exact_at_any_step(dt):
         / np.array([[1.2 * (1 - s) * CP_GAS], [2500 * s * CP_SOLID]])
     )
     exact = expm(0.1 * rate) @ [300.0, 500.0]
-    np.testing.assert_allclose(b.state.energy.T_gas, exact[0], rtol=1e-12)
-    np.testing.assert_allclose(b.state.energy.T_solid, exact[1], rtol=1e-12)
+    assert_allclose(b.state.energy.T_gas, exact[0], rtol=1e-12)
+    assert_allclose(b.state.energy.T_solid, exact[1], rtol=1e-12)
 
 
 def test_gas_that_warms_in_a_closed_box():
@@ -116,9 +118,9 @@ def test_gas_that_warms_in_a_closed_box():
     b.advance(1.0)
     gas, solid = 1.2 * (1 - s) * (CP_GAS - R), 2500 * s * CP_SOLID
     T = (gas * 300.0 + solid * 500.0) / (gas + solid)
-    np.testing.assert_allclose(b.state.energy.T_gas, T, rtol=1e-12)
-    np.testing.assert_allclose(b.state.energy.T_solid, T, rtol=1e-12)
-    assert b.state.energy.p0 == pytest.approx(101325.0 * T / 300.0, rel=1e-12)
+    assert_allclose(b.state.energy.T_gas, T, rtol=1e-12)
+    assert_allclose(b.state.energy.T_solid, T, rtol=1e-12)
+    assert b.state.energy.p0 == approx(101325.0 * T / 300.0, rel=1e-12)
     assert abs(open_heat(b, start)) < 1e-14
     assert np.abs(b.state.u_gas).max() < 1e-10
 
@@ -185,7 +187,7 @@ def test_moving_bed_keeps_heat_and_gas(shape, ideal):
         density_times_T(b.state.energy.p0, b.model.heat, b.model),
     )
     filled = energy.mass * energy.T_gas / rho_T if ideal else energy.mass / 1.2
-    np.testing.assert_allclose(filled, 1 - b.state.eps_s, atol=2e-3 if ideal else 1e-12)
+    assert_allclose(filled, 1 - b.state.eps_s, atol=2e-3 if ideal else 1e-12)
     # the limiter knows no value upstream of a triangle
     beyond = 0.01 * 300.0 if shape == "triangle" else 1e-9
     for T in (b.state.energy.T_gas, b.state.energy.T_solid):
@@ -232,10 +234,10 @@ def test_heat_is_symmetric():
     # the iterations of the flow end at 1e-9; what has no particles has no temperature
     # of theirs
     there = b.state.eps_s[order] > 1e-20
-    np.testing.assert_allclose(
+    assert_allclose(
         b.state.energy.T_gas[order], b.state.energy.T_gas[mirror], rtol=1e-6
     )
-    np.testing.assert_allclose(
+    assert_allclose(
         b.state.energy.T_solid[order][there],
         b.state.energy.T_solid[mirror][there],
         rtol=1e-6,
@@ -263,7 +265,7 @@ def test_conduction_in_one_phase(shape, phase):
     b.start(eps_s=s, T_gas=300.0 + 10 * wave, T_solid=300.0 + 10 * wave)
     b.advance(end)
     left = (b.state.energy.T_gas, b.state.energy.T_solid)[phase] - 300.0
-    np.testing.assert_allclose(
+    assert_allclose(
         left, 10 * wave * np.exp(-0.5), atol=0.02 if shape == "quadrilateral" else 0.05
     )
     assert abs(b.state.energy.account.walls) < 1e-12 * stored(b)
@@ -284,7 +286,7 @@ def test_walls_at_two_temperatures():
     for _ in range(20):
         b.step(1e4)
     for T in (b.state.energy.T_gas, b.state.energy.T_solid):
-        np.testing.assert_allclose(T, 300.0 + 1e3 * grid.centres[:, 0], rtol=1e-9)
+        assert_allclose(T, 300.0 + 1e3 * grid.centres[:, 0], rtol=1e-9)
 
 
 def schumann_error(cells):
@@ -358,7 +360,7 @@ def test_ideal_gas_that_warms_flows_faster():
     flux = b.state.fluxes.total - b.state.fluxes.moved
     out = b.model.grid.boundaries["right"]
     end = b.state.energy.T_gas[b.model.grid.geometry.left[out]]
-    np.testing.assert_allclose(flux[out], 0.5 * end / 300.0, rtol=1e-7)
+    assert_allclose(flux[out], 0.5 * end / 300.0, rtol=1e-7)
 
 
 def test_gas_that_expands_in_one_step_leaves_in_the_time_of_that_step():
@@ -509,9 +511,9 @@ def test_coefficient_of_a_closure_file_and_of_a_number():
         made = heat_planning.physics(chosen, bound(chosen))
         found[key] = made.coefficient(s, slip, 0.5, T)[0] * 3e-3 / 0.026
     Re, Pr = 0.5 * 1.18 * 0.5 * 1.5 * 3e-3 / 1.8e-5, 1010.0 * 1.8e-5 / 0.026
-    assert found["number"] == pytest.approx(7.0)
-    assert found["name"] == pytest.approx(closure.nusselt_gunn(Re, Pr, 0.5))
-    assert found["file"] == pytest.approx(
+    assert found["number"] == approx(7.0)
+    assert found["name"] == approx(closure.nusselt_gunn(Re, Pr, 0.5))
+    assert found["file"] == approx(
         closure_of("nusselt.toml", folder, "nusselt")(Re=Re, Pr=Pr, eps=0.5)
     )
 
@@ -542,12 +544,12 @@ def test_a_pulse_brings_what_was_given_and_ends():
     run = study.Run(plan(from_dict(scene())))
     run.bed.advance(0.011, run.after_step)
     given = 0.011 * (1.18 * 1.5 * 0.048 + 1.18 * 300.0 / 700.0 * 30.0 * 0.012)
-    assert run.bed.state.energy.account.gas_in == pytest.approx(given, rel=1e-12)
+    assert run.bed.state.energy.account.gas_in == approx(given, rel=1e-12)
     jet = run.bed.model.grid.boundaries["jet"]
-    np.testing.assert_allclose(
+    assert_allclose(
         run.bed.state.fluxes.total[jet], -1.5 * run.bed.model.grid.geometry.area[jet]
     )
-    np.testing.assert_allclose(
+    assert_allclose(
         run.bed.model.heat.at_faces.T_gas[jet - run.bed.model.grid.interior], 300.0
     )
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from core_closures import bed, closures, rectangle, solids
 from gmsh_meshes import IN_3D, KINDS, geometry, sides, unstructured
+from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 from test_core_exact import wen_yu
 
@@ -73,8 +74,8 @@ def test_uniform_suspension_hangs_in_the_gas(on):
     b.start(eps_s=s, u_gas=upwards(on, u), p=p)
     advance(b, 50)
     assert np.abs(b.state.u_solid).max() < 1e-10
-    np.testing.assert_allclose(b.state.u_gas, upwards(on, u), atol=1e-10)
-    np.testing.assert_allclose(b.state.p, p, rtol=1e-9)
+    assert_allclose(b.state.u_gas, upwards(on, u), atol=1e-10)
+    assert_allclose(b.state.p, p, rtol=1e-9)
 
 
 def test_column_of_gas_rests(on):
@@ -83,7 +84,7 @@ def test_column_of_gas_rests(on):
     b.start(p=p)
     advance(b, 20)
     assert np.abs(b.state.u_gas).max() < 1e-13
-    np.testing.assert_allclose(b.state.p, p, atol=1e-12)
+    assert_allclose(b.state.p, p, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -138,7 +139,7 @@ def test_uniform_flow_stays_uniform(on):
     )
     b.start(u_gas=upwards(on, 1.0))
     advance(b, 20)
-    np.testing.assert_allclose(b.state.u_gas, upwards(on, 1.0), atol=1e-13)
+    assert_allclose(b.state.u_gas, upwards(on, 1.0), atol=1e-13)
 
 
 def test_noise_fades(on):
@@ -174,9 +175,7 @@ def test_homogeneous_cooling(on):
     b.start(eps_s=s, theta=1e-2)
     b.advance(end)
     rate = 8 * (1 - e**2) * s * g0 / (d_p * np.sqrt(np.pi))
-    np.testing.assert_allclose(
-        b.state.theta, 1e-2 / (1 + rate * 0.1 * end / 2) ** 2, rtol=1e-2
-    )
+    assert_allclose(b.state.theta, 1e-2 / (1 + rate * 0.1 * end / 2) ** 2, rtol=1e-2)
     assert (
         np.ptp(b.state.theta) < 1e-7 * b.state.theta.mean()
         and np.abs(b.state.u_solid).max() < 1e-10

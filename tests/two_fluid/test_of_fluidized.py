@@ -3,7 +3,7 @@ forms and by hand.
 """
 
 import numpy as np
-import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.loading import loads
@@ -28,7 +28,7 @@ def test_minimum_fluidization_by_ergun():
     b = 150.0 * 0.58 * mu / (eps**3 * d**2)
     weight = (2500.0 - rho) * scene.two_fluid.gravity
     expected = 2.0 * weight / (b + np.sqrt(b**2 + 4.0 * a * weight))
-    assert minimum_fluidization(scene, 0.58) == pytest.approx(expected, rel=1e-6)
+    assert minimum_fluidization(scene, 0.58) == approx(expected, rel=1e-6)
 
 
 def test_height_of_a_uniform_bed_below_gas():
@@ -38,7 +38,7 @@ def test_height_of_a_uniform_bed_below_gas():
     z = (np.arange(40) + 0.5) / 40
     eps_s = np.where(z < 0.5, 0.5, 0.0)
     volume = np.full(40, 0.025)
-    assert bed_height(eps_s, volume, z, 1.0) == pytest.approx(0.5, rel=1e-12)
+    assert bed_height(eps_s, volume, z, 1.0) == approx(0.5, rel=1e-12)
     assert bed_height(np.full(40, 0.1), volume, z, 1.0) is None  # carried to the top
 
 
@@ -46,12 +46,12 @@ def test_circulation_of_particles_that_rise_in_a_quarter_of_the_section():
     z = np.repeat((np.arange(10) + 0.5) / 10, 4)
     flux = np.tile([3.0, -1.0, -1.0, -1.0], 10)
     volume = np.full(40, 0.025)
-    assert circulation(flux, volume, z, 0.8) == pytest.approx(0.75, rel=1e-12)
+    assert circulation(flux, volume, z, 0.8) == approx(0.75, rel=1e-12)
 
 
 def test_a_bed_reports_its_excess_of_gas():
     times = "end = 0.004\nsample = 0.002\naverage_from = 0.0"
     qoi = cb.run(column("drag_syamlal_obrien", times)).qoi
-    assert qoi["u_over_u_mf"] * qoi["u_mf_m_s"] == pytest.approx(0.5, rel=1e-12)
-    assert qoi["bed_height_m"] == pytest.approx(0.12, rel=0.05)
+    assert qoi["u_over_u_mf"] * qoi["u_mf_m_s"] == approx(0.5, rel=1e-12)
+    assert qoi["bed_height_m"] == approx(0.12, rel=0.05)
     assert qoi["circulation_kg_m2s"] >= 0.0

@@ -5,6 +5,7 @@ ranks: what they must share.
 import numpy as np
 import pytest
 from core_closures import closures, shaken_mesh
+from numpy.testing import assert_array_equal
 
 from contbed.mesh import build as meshing
 from contbed.ranks.two_fluid.division import OF_FACES, OF_INTERIOR, Division
@@ -71,22 +72,20 @@ def test_outline_answers_as_the_grid(name):
         for x, y in (
             zip(one, other, strict=True) if isinstance(one, tuple) else [(one, other)]
         ):
-            np.testing.assert_array_equal(x, y)
+            assert_array_equal(x, y)
     for side in (-1, 1):
         one, other = (
             end_pressure(on, edge, side)
             for on, edge in zip((whole, kept), edges, strict=True)
         )
-        np.testing.assert_array_equal(one.weights, other.weights)  # the same bits
+        assert_array_equal(one.weights, other.weights)  # the same bits
         assert one.outside == other.outside
-    np.testing.assert_array_equal(
-        np.ptp(whole.middles, axis=0), np.ptp(kept.middles, axis=0)
-    )
+    assert_array_equal(np.ptp(whole.middles, axis=0), np.ptp(kept.middles, axis=0))
     assert across(whole)[0] == across(kept)[0]
     states = zero_state(whole), zero_state(kept)
     assert states[0].fluxes.moved.shape == states[1].fluxes.moved.shape
-    np.testing.assert_array_equal(whole.geometry.volume, kept.geometry.volume)
-    np.testing.assert_array_equal(whole.centres, kept.centres)
+    assert_array_equal(whole.geometry.volume, kept.geometry.volume)
+    assert_array_equal(whole.centres, kept.centres)
     assert whole.skewed == kept.skewed and whole.rectangular == kept.rectangular
 
 
@@ -112,7 +111,7 @@ def test_outline_of_a_floor_that_is_no_outlet(axis):
         for on, edge in zip((whole, kept), edges, strict=True)
     )
     assert np.count_nonzero(one.weights) > 24  # cells beside the side
-    np.testing.assert_array_equal(one.weights, other.weights)
+    assert_array_equal(one.weights, other.weights)
 
 
 @pytest.mark.parametrize("size", [1, 2, 3])
@@ -139,7 +138,7 @@ def test_parts_are_those_of_the_grid(name, size):
         ):
             for key in names:
                 if len(getattr(there, key)):
-                    np.testing.assert_array_equal(
+                    assert_array_equal(
                         getattr(there, key)[places], getattr(g, key), err_msg=key
                     )
         assert (g.skewed, g.axes, g.edge_from, g.edge_to) == (
@@ -148,11 +147,11 @@ def test_parts_are_those_of_the_grid(name, size):
             len(g.right),
             len(g.left),
         )
-        np.testing.assert_array_equal(there.left[part.faces], part.cells[g.left])
-        np.testing.assert_array_equal(there.right[part.interior], part.cells[g.right])
-        np.testing.assert_array_equal(whole.centres[part.cells], part.grid.centres)
-        np.testing.assert_array_equal(whole.middles[part.faces], part.grid.middles)
-        np.testing.assert_array_equal(whole.cells[part.cells], part.grid.cells)
+        assert_array_equal(there.left[part.faces], part.cells[g.left])
+        assert_array_equal(there.right[part.interior], part.cells[g.right])
+        assert_array_equal(whole.centres[part.cells], part.grid.centres)
+        assert_array_equal(whole.middles[part.faces], part.grid.middles)
+        assert_array_equal(whole.cells[part.cells], part.grid.cells)
         for other in parts:
             if part.rank in other.received:
                 sent, received = (
@@ -160,7 +159,7 @@ def test_parts_are_those_of_the_grid(name, size):
                     other.cells[other.received[part.rank]],
                 )
                 assert len(sent)
-                np.testing.assert_array_equal(sent, received)
+                assert_array_equal(sent, received)
         assert part.sent.keys() == part.received.keys()
 
 
@@ -208,7 +207,7 @@ def test_layers_beside_walls_are_those_of_the_grid(name):
             met += 1
             assert found[face][0] == wanted[face][0]
             for one, other in zip(found[face][1:], wanted[face][1:], strict=True):
-                np.testing.assert_array_equal(one, other)
+                assert_array_equal(one, other)
     assert met == heated.sum()
 
 

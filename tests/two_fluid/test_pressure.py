@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from core_closures import rectangle
 from gmsh_meshes import unstructured
+from numpy.testing import assert_allclose
 from test_core_exact import WALLS, fluidized
 
 from contbed.errors import ConvergenceError
@@ -77,7 +78,7 @@ def test_multigrid_agrees_with_elimination(make, multigrid, floating):
     found = np.zeros_like(rhs)
     assert 0 < multigrid(on).solve(coef, floating, rhs, found) < 40
     # residuals of 1e-11 times the condition of the system
-    np.testing.assert_allclose(found, exact, atol=1e-7 * np.ptp(exact))
+    assert_allclose(found, exact, atol=1e-7 * np.ptp(exact))
 
 
 @pytest.mark.parametrize("multigrid", [multigrid_on, of_lattice])
@@ -112,8 +113,8 @@ def test_bed_by_multigrid(monkeypatch):
         one.step(one.next_step())
         two.step(two.next_step())
     assert two.model.pressure_solver.iterations > 0
-    np.testing.assert_allclose(two.state.eps_s, one.state.eps_s, atol=1e-8)
-    np.testing.assert_allclose(two.state.p, one.state.p, atol=1e-5)
+    assert_allclose(two.state.eps_s, one.state.eps_s, atol=1e-8)
+    assert_allclose(two.state.p, one.state.p, atol=1e-5)
     g = two.model.grid.geometry
     left = np.zeros(len(two.state.p))
     np.add.at(left, g.left, two.state.fluxes.total)

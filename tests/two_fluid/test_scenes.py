@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.optimize import brentq
 
 import contbed as cb
@@ -57,7 +58,7 @@ def slip(law, scene):
 def test_gas_passes_a_suspension_at_its_slip_velocity(name, law):
     # implicit drag gives the steady slip at any step (V3, V4)
     result = found(name)
-    assert result.qoi["slip_velocity"] == pytest.approx(
+    assert result.qoi["slip_velocity"] == approx(
         slip(closures.get(law), result.plan.scene), rel=1e-8
     )
 
@@ -65,14 +66,14 @@ def test_gas_passes_a_suspension_at_its_slip_velocity(name, law):
 def test_printed_slip_velocities():
     # shared by several authors for this particle to the digits given
     scene = cb.load(STUDY / "slip.toml")
-    assert slip(closures.drag_wen_yu, scene) == pytest.approx(1.00303, abs=5e-6)
-    assert slip(closures.drag_syamlal_obrien, scene) == pytest.approx(0.92414, abs=5e-6)
+    assert slip(closures.drag_wen_yu, scene) == approx(1.00303, abs=5e-6)
+    assert slip(closures.drag_syamlal_obrien, scene) == approx(0.92414, abs=5e-6)
 
 
 def test_shear_balances_dissipation():
     # a linear velocity and a uniform theta are exact on any grid; 1e-4 is left of the
     # approach in 2 s
-    assert found("shear", mesh__cells=[2, 8]).qoi["theta_over_s2d2"] == pytest.approx(
+    assert found("shear", mesh__cells=[2, 8]).qoi["theta_over_s2d2"] == approx(
         2.057972, rel=1e-4
     )
 
@@ -80,23 +81,23 @@ def test_shear_balances_dissipation():
 def test_cooling_follows_haff():
     # first order in time: 1e-3 at the step of 1e-5 s in the scene, ten times that here
     theta = found("cooling", time__step=1e-4, mesh__cells=[2, 2]).qoi["theta_final"]
-    assert theta == pytest.approx(2.005229e-5, rel=1e-2)
+    assert theta == approx(2.005229e-5, rel=1e-2)
 
 
 def test_fronts_of_settling():
     # 200 cells of 0.5 mm; the fronts have run 37 and 7.4 mm, a fifth of a cell is
     # allowed
     qoi = found("settling").qoi
-    assert qoi["front_position_m"] == pytest.approx(0.1 - 8.0 * 4.60966e-3, abs=1e-4)
-    assert qoi["lower_front_position_m"] == pytest.approx(8.0 * 9.21932e-4, abs=1e-4)
+    assert qoi["front_position_m"] == approx(0.1 - 8.0 * 4.60966e-3, abs=1e-4)
+    assert qoi["lower_front_position_m"] == approx(8.0 * 9.21932e-4, abs=1e-4)
     assert abs(qoi["mass_drift_relative"]) < 1e-14
 
 
 def test_riemann_problem_of_a_granular_gas():
     # exact: 0.01412995 and 1.18869463; half a cell of 1/400 in 0.36 of way
     qoi = found("riemann", mesh__cells=400).qoi
-    assert qoi["eps_star"] == pytest.approx(0.01412995, rel=1e-3)
-    assert qoi["shock_speed"] == pytest.approx(1.18869463, abs=0.0125 / 0.3 * 0.3)
+    assert qoi["eps_star"] == approx(0.01412995, rel=1e-3)
+    assert qoi["shock_speed"] == approx(1.18869463, abs=0.0125 / 0.3 * 0.3)
 
 
 def test_cold_streams_that_meet_lose_nothing():
@@ -122,9 +123,7 @@ def test_probes_show_the_cell_around_them():
     )
     result = cb.run(scene)
     t, eps_s = result.profiles["t [s]"], result.profiles["front eps_s [1]"]
-    assert t[np.flatnonzero(eps_s < 0.05)[0]] == pytest.approx(
-        0.0199 / 4.60966e-3, abs=0.2
-    )
+    assert t[np.flatnonzero(eps_s < 0.05)[0]] == approx(0.0199 / 4.60966e-3, abs=0.2)
     place = np.flatnonzero(result.tables["axial"]["height [m]"] > 0.0801)[0]
     assert (
         result.profiles["front p [Pa]"][-1] == result.tables["axial"]["p [Pa]"][place]
@@ -146,8 +145,8 @@ def test_spectrum_finds_a_wave_and_its_power():
     """
     t = np.arange(1000) * 0.01
     frequency, power = spectrum(t, 5.0 + 3.0 * np.sin(2 * np.pi * 4.0 * t))
-    assert frequency[np.argmax(power)] == pytest.approx(4.0, abs=1e-9)
-    assert np.sum(power) * (frequency[1] - frequency[0]) == pytest.approx(4.5, rel=1e-3)
+    assert frequency[np.argmax(power)] == approx(4.0, abs=1e-9)
+    assert np.sum(power) * (frequency[1] - frequency[0]) == approx(4.5, rel=1e-3)
 
 
 def test_restart_is_bit_for_bit(tmp_path):
@@ -197,6 +196,6 @@ def test_a_bed_at_rest_stays_in_a_closed_box():
     )
     result = cb.run(scene)
     # the surface is spread over one cell of 5 mm, which lifts the centre by 0.3 mm
-    assert result.profiles["centre_of_solids [m]"] == pytest.approx(0.0125, abs=5e-4)
+    assert result.profiles["centre_of_solids [m]"] == approx(0.0125, abs=5e-4)
     assert 0.5 < result.qoi["eps_s_max"] < 0.63
     assert_closed(result, 1e-14, "solids")

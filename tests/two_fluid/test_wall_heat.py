@@ -5,6 +5,7 @@ resolve.
 import numpy as np
 import pytest
 from core_closures import bed, closures, line, rectangle, shaken_mesh
+from pytest import approx
 from scipy.special import erf, erfcx
 
 import contbed as cb
@@ -111,7 +112,7 @@ def test_heat_into_particles_at_rest(cells):
     """
     run = study.Run(plan(from_dict(scene(cells))))
     run.bed.advance(1.0)
-    assert run.bed.state.energy.account.walls == pytest.approx(39430.0, rel=AT_REST)
+    assert run.bed.state.energy.account.walls == approx(39430.0, rel=AT_REST)
 
 
 GRIDS = {
@@ -150,14 +151,14 @@ def test_each_wall_heats_and_cools_alike(name):
             energy = made.state.energy
             heat = energy.account.walls
             gained = stored_heat(made.state, made.model) - start
-            assert gained == pytest.approx(heat, rel=1e-9)
+            assert gained == approx(heat, rel=1e-9)
             of_faces = energy.walls.heat[on.boundaries[side]].sum()
-            assert of_faces == pytest.approx(heat, rel=1e-9)
+            assert of_faces == approx(heat, rel=1e-9)
             assert np.count_nonzero(energy.walls.heat) == len(on.boundaries[side])
             found.append(heat / area)
-        assert found[0] == pytest.approx(-found[1], rel=1e-9)
+        assert found[0] == approx(-found[1], rel=1e-9)
         # corners of round beds give more than half a space
-        assert found[0] == pytest.approx(conducted(0.3, 50.0), rel=AT_REST)
+        assert found[0] == approx(conducted(0.3, 50.0), rel=AT_REST)
 
 
 def test_a_resolved_layer_is_that_of_the_mesh():
@@ -197,7 +198,7 @@ def test_steady_heat_is_linear(on, off):
     faces = on.boundaries["right"]
     rate = (energy.walls.heat - before)[faces].sum() / 1e4
     area = on.geometry.area[faces].sum()
-    assert rate / area == pytest.approx(K * 100.0 / 0.1, rel=off)
+    assert rate / area == approx(K * 100.0 / 0.1, rel=off)
 
 
 def sliding(cells, u, height=0.1, options=None, wall=400.0):
@@ -226,7 +227,7 @@ def test_packets_of_one_time_of_contact(cells):
     made.advance(2.5)
     h = (made.state.energy.account.walls - before) / 0.5 / height / 100.0
     # upwind along the wall mixes the ages of ten cells
-    assert h == pytest.approx(np.sqrt(4 * K * C / (np.pi * height / u)), rel=0.06)
+    assert h == approx(np.sqrt(4 * K * C / (np.pi * height / u)), rel=0.06)
 
 
 def test_gas_alone_conducts_as_gas():
@@ -236,7 +237,7 @@ def test_gas_alone_conducts_as_gas():
     made.start(eps_s=0.0, T_gas=300.0, T_solid=300.0)
     made.advance(2.0)
     exact = 20.0 * 0.026 * np.sqrt(2.0 * 1.2 * CP_GAS / (np.pi * 0.026))
-    assert made.state.energy.account.walls == pytest.approx(exact, rel=AT_REST)
+    assert made.state.energy.account.walls == approx(exact, rel=AT_REST)
 
 
 def test_shaken_meshes_conduct_alike():
@@ -246,7 +247,7 @@ def test_shaken_meshes_conduct_alike():
         made = at_rest(on, {"left": Thermal(wall=400.0)})
         made.advance(1.0)
         heat = made.state.energy.account.walls
-        assert heat == pytest.approx(conducted(1.0, 100.0), rel=AT_REST)
+        assert heat == approx(conducted(1.0, 100.0), rel=AT_REST)
 
 
 def in_scene(cells=10, **changes):
@@ -263,12 +264,12 @@ def test_results_of_a_wall():
     """
     result = cb.run(from_dict(scene(20)))
     found = result.qoi
-    assert found["heat_left_W"] == pytest.approx(39430.0, rel=AT_REST)
+    assert found["heat_left_W"] == approx(39430.0, rel=AT_REST)
     assert result.units["heat_left_W"] == "W/m2"
-    assert result.profiles["heat_left [J]"][-1] == pytest.approx(found["heat_left_W"])
+    assert result.profiles["heat_left [J]"][-1] == approx(found["heat_left_W"])
     warm = np.trapezoid(result.profiles["T_solid_mean [K]"], result.profiles["t [s]"])
     expected = found["heat_left_W"] / (380.0 - warm)
-    assert found["coefficient_left_W_m2K"] == pytest.approx(expected, rel=1e-9)
+    assert found["coefficient_left_W_m2K"] == approx(expected, rel=1e-9)
     assert found["heat_left_error"] < 1e-3
     assert not result.warnings
     assert "heat_right_W" not in found
@@ -283,7 +284,7 @@ def test_a_coefficient_is_between_wall_and_cell(place):
     # the cell of 0.05 m alone: gas and particles follow each other
     capacity = 0.05 * (0.42 * 1.2 * 1005.0 + 0.58 * 2600.0 * 800.0)
     exact = capacity * 80.0 * -np.expm1(-200.0 / capacity)
-    assert found.qoi["heat_left_W"] == pytest.approx(exact, rel=1e-3)
+    assert found.qoi["heat_left_W"] == approx(exact, rel=1e-3)
     assert found.balances["heat"]["relative_residual"] < 1e-12
 
 
@@ -303,7 +304,7 @@ def test_closures_of_walls_by_name():
         cp_solid=800.0,
         contact_time=0.5,
     )
-    assert result.qoi["coefficient_left_W_m2K"] == pytest.approx(float(h), rel=0.02)
+    assert result.qoi["coefficient_left_W_m2K"] == approx(float(h), rel=0.02)
     assert "bed_tube_kunii_levenspiel_packet" in {c["name"] for c in result.closures}
     martin = {"name": "martin", "molar_mass": 0.029}
     changes = {"boundary__left__wall_heat": martin, "two_fluid__gravity": 9.81}
@@ -330,7 +331,7 @@ provenance.scene = "a wall of spheres"
     )
     made = in_scene(2, closures__wall_heat={"file": "wall.toml"})
     found = cb.run(from_dict(made, base=tmp_path)).qoi
-    assert found["coefficient_left_W_m2K"] == pytest.approx(300.0, rel=0.02)
+    assert found["coefficient_left_W_m2K"] == approx(300.0, rel=0.02)
 
 
 def test_thin_cells_beside_a_coefficient_warn():
@@ -348,7 +349,7 @@ def test_a_gap_resists():
     h, kC = 0.026 / (0.2 * 5e-4 * fraction), (39430.0 * np.sqrt(np.pi) / 160.0) ** 2
     a = h / np.sqrt(kC)
     exact = 80.0 * kC / h * (erfcx(a) - 1.0 + 2.0 * a / np.sqrt(np.pi))
-    assert thin == pytest.approx(exact, rel=AT_REST)
+    assert thin == approx(exact, rel=AT_REST)
 
 
 def test_radiation_to_particles():
@@ -366,7 +367,7 @@ def test_radiation_to_particles():
     both = 1.0 / (1.0 / 0.9 + 1.0 / bed_emissivity - 1.0)
     exact = 5.670374419e-8 * both * (1000.0**4 - 300.0**4)
     found = cb.run(from_dict(made)).qoi
-    assert found["heat_left_W"] == pytest.approx(exact, rel=1e-3)
+    assert found["heat_left_W"] == approx(exact, rel=1e-3)
 
 
 def test_radiation_and_conduction_on_any_mesh():
@@ -380,7 +381,7 @@ def test_radiation_and_conduction_on_any_mesh():
         cb.run(from_dict(in_scene(cells, **hot))).qoi["heat_left_W"]
         for cells in (10, 160)
     ]
-    assert found[0] == pytest.approx(found[1], rel=AT_REST)
+    assert found[0] == approx(found[1], rel=AT_REST)
     cold = cb.run(from_dict(in_scene(10, boundary__left__temperature=1300.0))).qoi
     assert found[0] > 1.05 * cold["heat_left_W"]
 
@@ -392,7 +393,7 @@ def test_uncertain_mesh_warns():
     (coarse, heat), (fine, _) = (towards_the_wall(cells) for cells in (4, 128))
     assert coarse > 0.1 > 0.03 > fine
     # upwind within the layer
-    assert heat == pytest.approx(1.0, abs=0.07)
+    assert heat == approx(1.0, abs=0.07)
 
 
 def towards_the_wall(cells, rate=1.0, depth=0.02):
@@ -439,4 +440,4 @@ def test_restart_with_layers_is_bit_for_bit(tmp_path):
     interrupt(made, tmp_path, study, "_keep", 3)
     rest = cb.run(made, tmp_path, restart=tmp_path)
     same_run(rest, cb.run(made))
-    assert rest.qoi["heat_right_W"] == pytest.approx(1e3, rel=1e-12)
+    assert rest.qoi["heat_right_W"] == approx(1e3, rel=1e-12)

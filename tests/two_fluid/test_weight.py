@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from core_closures import bed, closures, line, rectangle
 from gmsh_meshes import KINDS, sides, unstructured
+from pytest import approx
 
 from contbed.two_fluid import momentum_budget, results
 from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
@@ -56,7 +57,7 @@ def test_floor_carries_the_weight_of_a_bed_at_rest():
     # face by face to rounding; the friction of two cells is its integral between them
     # to second order
     (fine, fine_ends), (coarse, coarse_ends) = carried(40, 0.0), carried(20, 0.0)
-    assert [fine, coarse] == pytest.approx([1.0, 1.0], abs=1e-10)
+    assert [fine, coarse] == approx([1.0, 1.0], abs=1e-10)
     assert abs(fine_ends - 1) < 5e-5
     assert abs(coarse_ends - 1) > 2 * abs(fine_ends - 1)
 
@@ -64,7 +65,7 @@ def test_floor_carries_the_weight_of_a_bed_at_rest():
 def test_gas_carries_its_part():
     # gas that speeds up through denser particles takes rho u^2 of it, 1e-5 of the
     # weight
-    assert carried(20, 0.3)[0] == pytest.approx(1.0, abs=2e-5)
+    assert carried(20, 0.3)[0] == approx(1.0, abs=2e-5)
 
 
 def measured(b):
@@ -89,7 +90,7 @@ def test_pressure_carries_a_uniform_suspension():
         p=(0.2 - z) * density * 9.81,
     )
     found = measured(b)
-    assert found["weight_pressure"] == pytest.approx(1.0, abs=1e-9)
+    assert found["weight_pressure"] == approx(1.0, abs=1e-9)
     assert abs(found["weight_missing"]) < 1e-9
 
 
@@ -110,7 +111,7 @@ def test_walls_carry_what_falls_steadily():
     assert abs(measured(b)["weight_missing"]) < 1e-6  # of the solution of the system
     b.advance(2.0)
     found = measured(b)
-    assert found["weight_walls"] == pytest.approx(1.0, abs=1e-6)
+    assert found["weight_walls"] == approx(1.0, abs=1e-6)
     assert abs(found["weight_missing"]) < 1e-6
 
 
@@ -135,4 +136,4 @@ def test_pressure_drop_reaches_from_floor_to_roof(kind, roof):
         floor += across * 0.03
     above = outside if isinstance(roof, Outlet) else floor + height * along
     b.state = replace(b.state, p=p)
-    assert results.pressure_drop(b) == pytest.approx(floor - above, abs=1e-9)
+    assert results.pressure_drop(b) == approx(floor - above, abs=1e-9)

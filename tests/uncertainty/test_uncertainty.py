@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from contbed.errors import ContbedError
 from contbed.many import value_sets
@@ -83,7 +84,7 @@ def test_half_widths_are_the_same_each_time(method):
         indices(method, points, ishigami(points)).columns for _ in range(2)
     )
     for name, values in first.items():
-        np.testing.assert_array_equal(values, second[name])
+        assert_array_equal(values, second[name])
 
 
 def test_sobol_indices_of_ishigami_are_the_exact_ones():
@@ -92,11 +93,11 @@ def test_sobol_indices_of_ishigami_are_the_exact_ones():
     found = indices("sobol_indices", points, ishigami(points))
     # 4096 groups: half widths at 90 % are below 0.03, errors of scrambled points below
     # half of that
-    np.testing.assert_allclose(found.columns["first order"], ALONE, atol=0.015)
-    np.testing.assert_allclose(found.columns["total"], TOTAL, atol=0.015)
+    assert_allclose(found.columns["first order"], ALONE, atol=0.015)
+    assert_allclose(found.columns["total"], TOTAL, atol=0.015)
     assert np.all(found.columns["first order +-"] < 0.04) and found.groups == 4096
     spread = of_sample(ishigami(points)[independent("sobol_indices", points)])
-    np.testing.assert_allclose(
+    assert_allclose(
         [spread.mean, spread.deviation], [3.5, np.sqrt(VARIANCE)], rtol=0.02
     )
     assert spread.runs == 2 * 4096
@@ -106,13 +107,9 @@ def test_morris_effects_of_a_linear_model_are_its_slopes():
     pytest.importorskip("SALib")
     points = value_sets.sample("morris", 10, seed=2, dimensions=3)
     found = indices("morris", points, points @ np.array([3.0, -2.0, 0.0]))
-    np.testing.assert_allclose(
-        found.columns["mean effect"], [3.0, -2.0, 0.0], atol=1e-12
-    )
-    np.testing.assert_allclose(
-        found.columns["mean magnitude"], [3.0, 2.0, 0.0], atol=1e-12
-    )
-    np.testing.assert_allclose(found.columns["scatter"], 0.0, atol=1e-12)
+    assert_allclose(found.columns["mean effect"], [3.0, -2.0, 0.0], atol=1e-12)
+    assert_allclose(found.columns["mean magnitude"], [3.0, 2.0, 0.0], atol=1e-12)
+    assert_allclose(found.columns["scatter"], 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("method", ["sobol_indices", "morris"])
@@ -129,7 +126,7 @@ def test_indices_do_not_depend_on_the_size_of_a_result(method, unit):
     )
     for name, column in one.columns.items():
         scaled = np.ldexp(column, unit) if method == "morris" else column
-        np.testing.assert_array_equal(other.columns[name], scaled)
+        assert_array_equal(other.columns[name], scaled)
 
 
 @pytest.mark.parametrize("method", ["sobol_indices", "morris"])
@@ -193,7 +190,7 @@ def test_groups_with_a_failed_run_are_left_out():
     values[2] = np.nan
     found = indices("sobol_indices", points, values)
     assert found.groups == 63
-    np.testing.assert_array_equal(found.columns["total"], whole.columns["total"])
+    assert_array_equal(found.columns["total"], whole.columns["total"])
     assert (
         indices("sobol_indices", points, np.where(np.arange(320) < 310, np.nan, values))
         is None
@@ -221,14 +218,14 @@ def test_first_order_is_exact_where_the_result_is_linear():
     value = float(slopes @ [spread.mean for spread in spreads.values()])
     found = first_order(value, slopes, spreads, 1)
     variance = (3.0 * 0.2) ** 2 + 6.0**2 / 12.0 + (0.5 * spreads["c"].deviation) ** 2
-    np.testing.assert_allclose(found.deviation, np.sqrt(variance), rtol=1e-14)
+    assert_allclose(found.deviation, np.sqrt(variance), rtol=1e-14)
     u = value_sets.sample("sobol", 2**14, seed=1, dimensions=3)
     values = (
         np.column_stack([spread(u[:, k]) for k, spread in enumerate(spreads.values())])
         @ slopes
     )
     # Sobol points: far below the 1/root(n) of independent ones
-    np.testing.assert_allclose(
+    assert_allclose(
         [found.mean, found.deviation], [values.mean(), values.std()], rtol=1e-3
     )
 
@@ -261,18 +258,18 @@ def test_a_sweep_writes_samples_gradients_and_indices_side_by_side(
     )
     parts = np.array([drop(2e-6, 0.0), drop(0.0, 0.4 / np.sqrt(12.0)), 0.0])
     # the derivative is exact to 1e-6, CSV holds nine digits
-    np.testing.assert_allclose(float(gradients["mean"]), drop(2e-5, 1.2), rtol=1e-6)
-    np.testing.assert_allclose(
+    assert_allclose(float(gradients["mean"]), drop(2e-5, 1.2), rtol=1e-6)
+    assert_allclose(
         float(gradients["standard deviation"]), np.linalg.norm(parts), rtol=1e-6
     )
     # 16 points
-    np.testing.assert_allclose(float(samples["mean"]), drop(2e-5, 1.2), rtol=0.03)
-    np.testing.assert_allclose(
+    assert_allclose(float(samples["mean"]), drop(2e-5, 1.2), rtol=0.03)
+    assert_allclose(
         float(samples["standard deviation"]), np.linalg.norm(parts), rtol=0.3
     )
     rows = read(folder / "out" / "indices.csv")
     exact = parts**2 / np.sum(parts**2)
-    np.testing.assert_allclose(
+    assert_allclose(
         [float(row["share by gradients"]) for row in rows], exact, atol=1e-6
     )
     for row, share in zip(rows, exact, strict=True):
@@ -303,7 +300,7 @@ def test_a_morris_design_of_normal_parameters_stays_within_their_tails(folder, c
     assert command("sweep study.toml --out out --jobs 1 --quiet") == 0
     rows = read(folder / "out" / "indices.csv")
     # levels are 0.05, 0.35, 0.65 and 0.95 of the normal, 1.0 to 1.4 of the even one
-    np.testing.assert_allclose(float(rows[1]["mean effect"]), drop(0.0, 0.4), rtol=1e-6)
+    assert_allclose(float(rows[1]["mean effect"]), drop(0.0, 0.4), rtol=1e-6)
     assert float(rows[2]["mean magnitude"]) == 0.0
     values = {
         float(row["gas.viscosity [Pa*s]"]) for row in read(folder / "out" / "table.csv")
@@ -328,19 +325,17 @@ def test_polynomials_of_the_parameters_are_found_exactly():
     parts = np.array([400.0 / 3.0, 24.0**2 + 2.0, (2.0 * np.log(1.5)) ** 2])
     variance, both = parts.sum() + 4.0 / 3.0, 4.0 / 3.0 * np.array([1.0, 1.0, 0.0])
     spread = chaos_spread(found)
-    np.testing.assert_allclose(
-        [spread.mean, spread.deviation**2], [144.0, variance], rtol=1e-10
-    )
+    assert_allclose([spread.mean, spread.deviation**2], [144.0, variance], rtol=1e-10)
     columns = chaos_indices(found).columns
-    np.testing.assert_allclose(columns["first order"], parts / variance, atol=1e-10)
-    np.testing.assert_allclose(columns["total"], (parts + both) / variance, atol=1e-10)
+    assert_allclose(columns["first order"], parts / variance, atol=1e-10)
+    assert_allclose(columns["total"], (parts + both) / variance, atol=1e-10)
     assert (
         max(columns["total +-"].max(), columns["first order +-"].max()) < 1e-8
         and found.unexplained < 1e-15
     )
     # the band of a result that is even, of 4096 points
     line = chaos_spread(expansion(points, x, spreads))
-    np.testing.assert_allclose([line.low, line.high], [2.2, 5.8], rtol=2e-3)
+    assert_allclose([line.low, line.high], [2.2, 5.8], rtol=2e-3)
 
 
 def test_bands_of_polynomial_chaos_hold():
@@ -407,7 +402,7 @@ def test_results_whose_squares_are_no_numbers_have_the_same_spread(unit):
         assert other.mean == pytest.approx(unit * each.mean, rel=1e-12)
         assert other.deviation == pytest.approx(unit * each.deviation, rel=1e-12)
     for name, column in chaos_indices(found).columns.items():
-        np.testing.assert_array_equal(chaos_indices(small).columns[name], column)
+        assert_array_equal(chaos_indices(small).columns[name], column)
 
 
 def test_a_sample_has_indices_by_polynomial_chaos(folder, capsys):
@@ -421,12 +416,12 @@ def test_a_sample_has_indices_by_polynomial_chaos(folder, capsys):
     parts = np.array([drop(2e-6, 0.0), drop(0.0, 0.4 / np.sqrt(12.0)), 0.0])
     # the result is linear, CSV holds nine digits
     found = rows["polynomial chaos"]
-    np.testing.assert_allclose(float(found["mean"]), drop(2e-5, 1.2), rtol=1e-8)
-    np.testing.assert_allclose(
+    assert_allclose(float(found["mean"]), drop(2e-5, 1.2), rtol=1e-8)
+    assert_allclose(
         float(found["standard deviation"]), np.linalg.norm(parts), rtol=1e-8
     )
     shares = [float(row["total"]) for row in read(folder / "out" / "indices.csv")]
-    np.testing.assert_allclose(shares, parts**2 / np.sum(parts**2), atol=1e-8)
+    assert_allclose(shares, parts**2 / np.sum(parts**2), atol=1e-8)
 
 
 @each_case(__file__, "mistakes_in_a_design_of_indices_are_told")

@@ -5,6 +5,7 @@ unknowns, orders, failures.
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from numpy.testing import assert_allclose
 
 from contbed.errors import ConvergenceError
 from contbed.solvers.banded import WIDEST, Ordering
@@ -30,7 +31,7 @@ def test_products_and_solutions_are_those_of_the_dense_matrix(n):
     ordering = Ordering.of(matrix)
     assert ordering is not None and ordering.width <= 4
     band, x = ordering.band(matrix), random.normal(size=n)
-    np.testing.assert_allclose(
+    assert_allclose(
         (band @ x[ordering.order])[ordering.back], matrix @ x, rtol=0, atol=1e-13 * 10
     )
     fixed = np.unique(random.integers(0, n, size=max(1, n // 10)))
@@ -38,7 +39,7 @@ def test_products_and_solutions_are_those_of_the_dense_matrix(n):
     dense[fixed], dense[:, fixed] = 0.0, 0.0
     dense[fixed, fixed] = 1.0
     solve = band.solver(np.sort(ordering.back[fixed]))
-    np.testing.assert_allclose(
+    assert_allclose(
         solve(x[ordering.order])[ordering.back],
         np.linalg.solve(dense, x),
         rtol=0,
@@ -53,7 +54,7 @@ def test_sum_of_two_matrices():
     assert ordering is not None
     x = np.linspace(0.0, 1.0, 30)
     both = ordering.band(a).plus(ordering.band(b), 0.3)
-    np.testing.assert_allclose(
+    assert_allclose(
         (both @ x[ordering.order])[ordering.back], a @ x + 0.3 * (b @ x), rtol=1e-12
     )
 
@@ -67,9 +68,7 @@ def test_entries_that_cancelled_do_not_widen_the_band():
     ordering = Ordering.of(line(30, 2))
     assert ordering is not None
     x = np.ones(30)
-    np.testing.assert_allclose(
-        (ordering.band(matrix) @ x)[ordering.back], matrix @ x, rtol=1e-12
-    )
+    assert_allclose((ordering.band(matrix) @ x)[ordering.back], matrix @ x, rtol=1e-12)
 
 
 def test_wide_matrices_are_left_to_general_factors():

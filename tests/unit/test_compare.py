@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 
 import numpy as np
-import pytest
+from pytest import approx
 
 from contbed.many.compare import TABLE, Comparison, Outcome, compare
 from contbed.output.common_results import Value, common_results
@@ -39,7 +39,7 @@ def test_quantities_of_one_model_are_left_out():
 
 def test_differences_are_to_the_first_model_that_has_the_result():
     assert FOUND.difference("T_gas_out", FOUND.outcomes[0]) is None
-    assert FOUND.difference("T_gas_out", FOUND.outcomes[1]) == pytest.approx(0.01)
+    assert FOUND.difference("T_gas_out", FOUND.outcomes[1]) == approx(0.01)
     assert FOUND.difference("T_gas_out", FOUND.outcomes[2]) is None
 
 
@@ -67,9 +67,9 @@ def test_named_results_come_before_columns():
     found = common_results({"x_CO_wet": 0.1, "T_solid_mean_K": 5.0}, tables, ["sand"])
     assert found["x_CO_out"].value == 0.1
     assert found["T_solids_mean"].value == 5.0
-    assert found["T_gas_mean"].value == pytest.approx(3.0)  # of 2 z over 0 to 3
+    assert found["T_gas_mean"].value == approx(3.0)  # of 2 z over 0 to 3
     found = common_results({}, tables, ["sand"])
-    assert found["T_solids_mean"].value == pytest.approx(301.5)
+    assert found["T_solids_mean"].value == approx(301.5)
 
 
 def test_points_without_a_value_are_left_out_of_means():
@@ -78,7 +78,7 @@ def test_points_without_a_value_are_left_out_of_means():
         "T_gas [K]": np.array([300.0, 400.0, np.nan]),
     }
     found = common_results({}, {"axial": table}, [])
-    assert found["T_gas_mean"].value == pytest.approx(350.0)
+    assert found["T_gas_mean"].value == approx(350.0)
 
 
 def test_an_unknown_model_is_named(tmp_path):

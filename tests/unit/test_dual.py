@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 
 from contbed.fem.ad import dual
 from contbed.fem.ad.dual import Dual
@@ -65,13 +66,11 @@ def test_derivative_is_the_complex_step(expression: Any, x: float, y: float) -> 
     result = evaluate(expression, Dual(at[0], {"x": 1.0}), Dual(at[1], {"y": 1.0}))
     # the complex step has no truncation error; both sides round some ten times
     close = {"rtol": 1e-12, "atol": 1e-12}
-    np.testing.assert_allclose(result.value, evaluate(expression, *at), **close)
+    assert_allclose(result.value, evaluate(expression, *at), **close)
     for slot, shift in (("x", (1j * STEP, 0.0)), ("y", (0.0, 1j * STEP))):
         step = evaluate(expression, at[0] + shift[0], at[1] + shift[1])
         expected = np.imag(step) / STEP * np.ones(1)
-        np.testing.assert_allclose(
-            np.zeros(1) + result.tangents.get(slot, 0.0), expected, **close
-        )
+        assert_allclose(np.zeros(1) + result.tangents.get(slot, 0.0), expected, **close)
 
 
 @pytest.mark.parametrize("ufunc", [np.add, np.subtract, np.multiply, np.divide])
@@ -107,10 +106,10 @@ def test_operators_are_those_of_numpys_protocol(
         (array, one),
     ):
         found, expected = operate[ufunc](*pair), ufunc(*pair)
-        np.testing.assert_array_equal(found.value, expected.value)
+        assert_array_equal(found.value, expected.value)
         assert found.tangents.keys() == expected.tangents.keys()
         for slot, tangent in expected.tangents.items():
-            np.testing.assert_array_equal(found.tangents[slot], tangent)
+            assert_array_equal(found.tangents[slot], tangent)
 
 
 def test_a_constant_needs_no_derivative_of_a_table() -> None:
@@ -146,8 +145,8 @@ def test_piecewise_functions(
 ) -> None:
     T = np.array([-2.0, 2.0])
     result = function(Dual(T, {"T": 1.0}))
-    np.testing.assert_array_equal(result.value, function(T))
-    np.testing.assert_array_equal(result.tangents["T"], slope)
+    assert_array_equal(result.value, function(T))
+    assert_array_equal(result.tangents["T"], slope)
 
 
 def test_comparisons_are_plain() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import skfem
+from numpy.testing import assert_allclose, assert_array_equal
 from skfem.helpers import dot, grad
 
 from contbed.fem.ad.dual import Components, Dual
@@ -222,9 +223,7 @@ def test_nodes_on_a_boundary(shape: str, degree: int) -> None:
     last = m.dim() - 1
     x = system.fields["u"][0].points
     expected = np.flatnonzero(x[0] > 1 - 1e-9) + system.offset["u", last]
-    np.testing.assert_array_equal(
-        system.nodes("u", m.boundaries["right"], last), expected
-    )
+    assert_array_equal(system.nodes("u", m.boundaries["right"], last), expected)
 
 
 @pytest.mark.parametrize("shape", KINDS)
@@ -239,7 +238,7 @@ def test_length_is_the_longest_edge(shape: str) -> None:
     )
     lengths = np.linalg.norm(m.p[:, edges[0]] - m.p[:, edges[1]], axis=0)
     expected = lengths if m.dim() == 1 else lengths[of_cell].max(axis=0)
-    np.testing.assert_allclose(found, expected, rtol=1e-14)
+    assert_allclose(found, expected, rtol=1e-14)
 
 
 def test_cubic_hexahedra_are_refused() -> None:
@@ -281,7 +280,7 @@ def test_tests_may_be_added_to_zero() -> None:
         lambda u, t, c, o: 0 + 2.0 * t.T,
         lambda u, t, c, o: 0.0 - (-t.T) / 0.5,
     ):
-        np.testing.assert_array_equal(assembled(form), expected)
+        assert_array_equal(assembled(form), expected)
     assert not assembled(lambda u, t, c, o: 0.0).any()
 
 
@@ -299,8 +298,8 @@ def test_form_must_be_linear_in_its_tests() -> None:
 def test_components() -> None:
     a, b = Components([1.0, 2.0]), Components([3.0, np.array([5.0, 6.0])])
     T = Dual(np.array([2.0, 3.0]), {"T": 1.0})
-    np.testing.assert_array_equal((a + b)[1], [7.0, 8.0])
-    np.testing.assert_array_equal((-(b - a) / 2.0)[1], [-1.5, -2.0])
-    np.testing.assert_array_equal((T * b)[1].value, [10.0, 18.0])
-    np.testing.assert_array_equal((b * T)[1].tangents["T"], [5.0, 6.0])
-    np.testing.assert_array_equal((np.array([2.0, 3.0]) * b)[1], [10.0, 18.0])
+    assert_array_equal((a + b)[1], [7.0, 8.0])
+    assert_array_equal((-(b - a) / 2.0)[1], [-1.5, -2.0])
+    assert_array_equal((T * b)[1].value, [10.0, 18.0])
+    assert_array_equal((b * T)[1].tangents["T"], [5.0, 6.0])
+    assert_array_equal((np.array([2.0, 3.0]) * b)[1], [10.0, 18.0])

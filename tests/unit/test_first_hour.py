@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.chemistry.thermo import species_of
@@ -36,7 +37,7 @@ def refused(name, **keys):
 def test_names_of_a_mesh_with_a_byte_order_mark_and_umlauts():
     """Exact: 500 W/m2 on 0.5 m heat 5 W/m/K by 50 K; 1e-9 as the system is linear."""
     result = cb.run(load(FOLDER / "mesh_bom.toml"))
-    assert result.qoi["T_fluid_out_K"] == pytest.approx(350.0, rel=1e-9)
+    assert result.qoi["T_fluid_out_K"] == approx(350.0, rel=1e-9)
     assert "heat_wall süd_W" in result.qoi
 
 
@@ -58,7 +59,7 @@ def test_the_boundary_that_gives_the_velocity_is_the_inlet_of_an_outlet():
     """Exact as above: what enters and leaves does not depend on who says so."""
     outlet = {"boundary.'gas out'.type": "outlet"}
     result = cb.run(load(FOLDER / "mesh_bom.toml", overrides=outlet))
-    assert result.qoi["T_fluid_out_K"] == pytest.approx(350.0, rel=1e-9)
+    assert result.qoi["T_fluid_out_K"] == approx(350.0, rel=1e-9)
 
 
 def test_a_mesh_in_millimetres_is_warned_of():
@@ -92,7 +93,7 @@ def test_check_reads_the_files_of_a_scene(capsys):
 def test_a_table_in_latin_1():
     scene = load(FOLDER / "latin.toml")
     samples = plan(scene).schedule.samples[("boundary", "left", "gas", "temperature")]
-    assert samples.at(8.0 * 3600.0) == pytest.approx(450.0 + 273.15)
+    assert samples.at(8.0 * 3600.0) == approx(450.0 + 273.15)
 
 
 def test_a_table_in_utf_16(tmp_path):
@@ -127,7 +128,7 @@ def test_oils_brines_and_mixtures_of_coolprop():
             ("conductivity", "L"),
         ):
             exact = PropsSI(key, "T", 341.0, "P", p, name)
-            assert getattr(fluid, method)(341.0) == pytest.approx(exact, rel=1e-6)
+            assert getattr(fluid, method)(341.0) == approx(exact, rel=1e-6)
     for name, message in (
         ("INCOMP::MEG", "give its mass fraction, such as INCOMP::MEG-30%"),
         ("Nitrogen[0.79]&Oxygen[0.31]", "mole fractions sum to 1.1"),
@@ -195,7 +196,7 @@ def test_contacts_need_the_stiffness_of_the_material():
             },
         )
     )
-    assert named.qoi["k_eff [W/m/K]"] == pytest.approx(by_hand, rel=0.02)
+    assert named.qoi["k_eff [W/m/K]"] == approx(by_hand, rel=0.02)
     soft = cb.run(load(FOLDER / "pack.toml", {"solids.beads.youngs_modulus": 1e7}))
     assert soft.qoi["k_eff [W/m/K]"] > 3.0 * by_hand
 
@@ -286,19 +287,17 @@ def test_other_forms_of_thermodynamics(mechanism, tmp_path):
     assert (mixture.viscosity(400.0), mixture.conductivity(400.0)) == (2e-5, 0.03)
     for T in (310.0, 700.0, 1500.0, 4000.0):
         gas.TPX = T, 101325.0, x
-        assert mixture.heat_capacity(T) == pytest.approx(gas.cp_mass, rel=1e-12)
-        assert mixture.density(T) == pytest.approx(gas.density, rel=1e-9)
+        assert mixture.heat_capacity(T) == approx(gas.cp_mass, rel=1e-12)
+        assert mixture.density(T) == approx(gas.density, rel=1e-9)
         stored = gas.cp_mass * T
-        assert mixture.enthalpy(T) == pytest.approx(
-            gas.enthalpy_mass, abs=1e-4 * stored
-        )
+        assert mixture.enthalpy(T) == approx(gas.enthalpy_mass, abs=1e-4 * stored)
         for k, name in enumerate(gas.species_names):
             species = species_of(
                 name, gas.species(k), float(gas.molecular_weights[k]) / 1e3
             )
             exact = gas.standard_gibbs_RT[k] * cantera.gas_constant * T / 1e3
             scale = 1e-4 * gas.cp_mole * T / 1e3
-            assert species.gibbs(T) == pytest.approx(exact, abs=scale)
+            assert species.gibbs(T) == approx(exact, abs=scale)
 
 
 def test_a_mechanism_without_transport_data():

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from pytest import approx
 
 import contbed as cb
 from contbed.errors import ConvergenceError, SceneError
@@ -128,7 +129,7 @@ def test_multigrid_gives_the_result_of_complete_factors(
     monkeypatch.setattr(linear, "MULTIGRID_3D", 120_000)
     complete = cb.run(scene)
     for name in ("T_solid_out_K", "T_fluid_out_K"):
-        assert cycled.qoi.get(name, 0.0) == pytest.approx(
+        assert cycled.qoi.get(name, 0.0) == approx(
             complete.qoi.get(name, 0.0), rel=1e-9
         )
     assert_closed(cycled, 1e-10, "energy")
@@ -168,7 +169,7 @@ def test_incident_radiation_is_cycled_as_well(iterative, iterations, monkeypatch
     cycled = cb.run(scene)
     assert iterations and not iterative
     monkeypatch.setattr(linear, "MULTIGRID_3D", 120_000)
-    assert cycled.qoi["heat_bottom_W"] == pytest.approx(
+    assert cycled.qoi["heat_bottom_W"] == approx(
         cb.run(scene).qoi["heat_bottom_W"], rel=1e-8
     )
 
@@ -187,15 +188,15 @@ def test_thin_factors_take_over_where_multigrid_does_not_do(iterative, monkeypat
     monkeypatch.setattr(linear, "MULTIGRID_3D", 120_000)
     complete = cb.run(box())
     for name in ("heat_bottom_W", "T_fluid_out_K"):
-        assert thin.qoi[name] == pytest.approx(complete.qoi[name], rel=1e-9)
-        assert factored.qoi[name] == pytest.approx(complete.qoi[name], rel=1e-9)
+        assert thin.qoi[name] == approx(complete.qoi[name], rel=1e-9)
+        assert factored.qoi[name] == approx(complete.qoi[name], rel=1e-9)
 
 
 def test_pressures_get_thick_factors(iterative):
     """A saddle point has no diagonal to keep."""
     matrix = sp.csc_matrix([[2.0, 0.0, 1.0], [0.0, 3.0, 1.0], [1.0, 1.0, 0.0]])
     rhs = np.array([1.0, 2.0, 3.0])
-    assert matrix @ Solver(matrix, Policy(3))(rhs) == pytest.approx(rhs, rel=1e-9)
+    assert matrix @ Solver(matrix, Policy(3))(rhs) == approx(rhs, rel=1e-9)
     assert iterative == [linear.THICK]
 
 
@@ -227,8 +228,8 @@ def test_predicted_memory_of_a_volume():
     """As measured: 2.2 GB for the factors of 68,000 unknowns, 10 kB for each with
     multigrid; within 5 %.
     """
-    assert Policy(3, None).predicted_GB(68_000) == pytest.approx(2.2, rel=0.05)
-    assert Policy(3, None, multigrid=True).predicted_GB(68_000) == pytest.approx(
+    assert Policy(3, None).predicted_GB(68_000) == approx(2.2, rel=0.05)
+    assert Policy(3, None, multigrid=True).predicted_GB(68_000) == approx(
         0.68, rel=0.05
     )
 

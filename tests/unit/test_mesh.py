@@ -7,6 +7,7 @@ import pytest
 import skfem
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 
 from contbed.mesh.build import build
 from contbed.mesh.grading import equidistributed, graded
@@ -78,9 +79,9 @@ NORMALS = {
 def assert_partition(mesh):
     """Each exterior facet in one boundary, each cell in one region."""
     facets = np.concatenate(list(mesh.skfem.boundaries.values()))
-    np.testing.assert_array_equal(np.sort(facets), mesh.skfem.boundary_facets())
+    assert_array_equal(np.sort(facets), mesh.skfem.boundary_facets())
     cells = np.concatenate(list(mesh.skfem.subdomains.values()))
-    np.testing.assert_array_equal(np.sort(cells), np.arange(mesh.skfem.nelements))
+    assert_array_equal(np.sort(cells), np.arange(mesh.skfem.nelements))
 
 
 @pytest.mark.parametrize("times", [0, 1, 2])
@@ -113,7 +114,7 @@ def test_normals_point_outwards(case, times):
         axis, direction = NORMALS[name]
         normal = np.zeros((mesh.dim(), 1, 1))
         normal[axis] = direction
-        np.testing.assert_allclose(found - normal, 0.0, atol=1e-14)
+        assert_allclose(found - normal, 0.0, atol=1e-14)
 
 
 def moments(mesh, region):
@@ -137,7 +138,7 @@ def test_refinement_keeps_regions_in_place(case):
     assert fine.regions == ("near", "far")
     assert_partition(fine)
     for name in halves:
-        np.testing.assert_allclose(
+        assert_allclose(
             moments(fine.skfem, name), moments(coarse.skfem, name), rtol=1e-13
         )
 
@@ -163,7 +164,7 @@ def test_default_cells_are_nearly_square_and_never_few():
 def test_given_nodes_are_used_instead_of_cells():
     x = graded(LENGTH, [(0.0, 1e-3)])
     automatic = build(MeshLine(type="line", length=LENGTH), [x])
-    np.testing.assert_array_equal(np.sort(automatic.skfem.p[0]), x)
+    assert_array_equal(np.sort(automatic.skfem.p[0]), x)
     assert build(LINE, [x]).skfem.nelements == len(x) - 1
     across = np.array([0.0, 0.05, RADIUS])
     shaft = build(
@@ -205,7 +206,7 @@ def test_graded_resolves_every_layer(layers, ratio, fraction, length):
 def test_scaled_nodes_are_nested_and_halve_the_cells(layers, parts):
     x, fine = graded(1.0, layers), graded(1.0, layers, scale=1 / parts)
     assert len(fine) - 1 == parts * (len(x) - 1)
-    np.testing.assert_allclose(fine[::parts], x, rtol=0, atol=1e-14)
+    assert_allclose(fine[::parts], x, rtol=0, atol=1e-14)
     for left, right in zip(fine[:-parts:parts], fine[parts::parts], strict=True):
         inside = np.diff(fine[(fine >= left) & (fine <= right)])
         assert inside.max() < 1.3 * inside.min() * (1 + 1e-5)
@@ -234,7 +235,7 @@ def test_equidistributed_gives_each_layer_its_share(layers, cells, degree):
 
 
 def test_equidistributed_without_layers_is_uniform():
-    np.testing.assert_allclose(
+    assert_allclose(
         equidistributed(1.0, [], 7), np.linspace(0, 1, 8), rtol=0, atol=1e-15
     )
 
@@ -253,6 +254,4 @@ def test_cells_fall_geometrically_towards_the_layer():
     cells = np.diff(x)
     assert 0.2e-6 < cells[0] <= 0.25e-6
     growing = cells[:-1] < 0.5 / 40
-    np.testing.assert_allclose(
-        (cells[1:] / cells[:-1])[growing], cells[1] / cells[0], rtol=1e-6
-    )
+    assert_allclose((cells[1:] / cells[:-1])[growing], cells[1] / cells[0], rtol=1e-6)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 
 from contbed.errors import SceneError
 from contbed.mesh.build import build
@@ -108,13 +110,11 @@ def test_shipped_meshes(name):
     assert (MESHES / f"{name}.msh").stat().st_size < 60_000
     assert mesh.regions == (("lower", "upper") if name == "two_layers" else ("bed",))
     for level in (mesh, refine(mesh)):
-        assert level.measure() == pytest.approx(size, rel=1e-12)
+        assert level.measure() == approx(size, rel=1e-12)
         for boundary, expected in boundaries.items():
-            assert level.measure(boundary) == pytest.approx(
-                expected, rel=1e-12, abs=1e-15
-            )
+            assert level.measure(boundary) == approx(expected, rel=1e-12, abs=1e-15)
         facets = np.concatenate(list(level.skfem.boundaries.values()))
-        np.testing.assert_array_equal(np.sort(facets), level.skfem.boundary_facets())
+        assert_array_equal(np.sort(facets), level.skfem.boundary_facets())
     assert mesh.axis == (1 if mesh.axisymmetric else 0)
 
 
@@ -129,11 +129,11 @@ def test_geometry_gives_the_shipped_mesh(gmsh, name):
         pytest.skip(
             f"the shipped meshes are from gmsh 4.15, this is {gmsh.__version__}"
         )
-    np.testing.assert_allclose(meshed.skfem.p, stored.skfem.p, atol=1e-15)
-    np.testing.assert_array_equal(meshed.skfem.t, stored.skfem.t)
+    assert_allclose(meshed.skfem.p, stored.skfem.p, atol=1e-15)
+    assert_array_equal(meshed.skfem.t, stored.skfem.t)
     assert meshed.boundaries == stored.boundaries and meshed.regions == stored.regions
     for boundary in stored.boundaries:
-        np.testing.assert_array_equal(
+        assert_array_equal(
             meshed.skfem.boundaries[boundary], stored.skfem.boundaries[boundary]
         )
 
@@ -164,8 +164,8 @@ def test_formats(gmsh, tmp_path, version, binary):
         "lower",
         "upper",
     )
-    assert mesh.measure() == pytest.approx(stored.measure(), rel=1e-14)
-    assert mesh.measure("left") == pytest.approx(0.1, rel=1e-14)
+    assert mesh.measure() == approx(stored.measure(), rel=1e-14)
+    assert mesh.measure("left") == approx(0.1, rel=1e-14)
 
 
 def test_size_and_scale(gmsh):
@@ -173,7 +173,7 @@ def test_size_and_scale(gmsh):
     assert coarse.skfem.nelements < 200
     small = load(MESHES / "channel.geo", size=0.03e-3, scale=1e-3)
     assert small.skfem.nelements == coarse.skfem.nelements
-    assert small.measure() == pytest.approx(0.25 * 0.0775 * 1e-6, rel=1e-12)
+    assert small.measure() == approx(0.25 * 0.0775 * 1e-6, rel=1e-12)
 
 
 def test_reading_a_mesh_needs_no_gmsh():
@@ -239,9 +239,9 @@ def test_cells_are_oriented_and_unused_nodes_dropped(tmp_path):
         {(2, 1): "skin", (3, 7): "bed"},
     )
     mesh = refine(load(tmp_path / "a.msh", dimension=3))
-    assert mesh.measure() == pytest.approx(1.0, rel=1e-14) and mesh.measure(
-        "skin"
-    ) == pytest.approx(6.0, rel=1e-14)
+    assert mesh.measure() == approx(1.0, rel=1e-14) and mesh.measure("skin") == approx(
+        6.0, rel=1e-14
+    )
     assert mesh.skfem.p.max() == 1.0
     assert (mesh.skfem.mapping().detDF(np.full((3, 1), 0.5)) > 0).all()
 
@@ -261,7 +261,7 @@ def test_line_mesh(tmp_path):
     )
     mesh = refine(load(tmp_path / "a.msh", dimension=1))
     assert mesh.boundaries == ("in", "out") and mesh.regions == ("region_3",)
-    assert mesh.measure() == pytest.approx(1.0, rel=1e-14)
+    assert mesh.measure() == approx(1.0, rel=1e-14)
 
 
 def test_unnamed_groups_are_numbered(tmp_path):
@@ -273,7 +273,7 @@ def test_unnamed_groups_are_numbered(tmp_path):
 
 def test_constant_z_is_allowed(tmp_path):
     write(tmp_path / "a.msh", [(x, y, 5.0) for x, y, _ in UNIT])
-    assert load(tmp_path / "a.msh").measure() == pytest.approx(1.0)
+    assert load(tmp_path / "a.msh").measure() == approx(1.0)
 
 
 def test_groups_between_regions_are_no_boundary(tmp_path):

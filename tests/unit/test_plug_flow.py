@@ -4,8 +4,8 @@ import math
 from itertools import pairwise
 
 import numpy as np
-import pytest
 import skfem
+from pytest import approx
 
 import contbed as cb
 from contbed.loading import loads
@@ -156,7 +156,7 @@ def test_a_bed_at_rest_conducts_through_curved_sides(tmp_path):
     )
     qoi = cb.run(loads(scene, "quarter.toml", base=tmp_path)).qoi
     wanted = 0.3 * 200.0 * 0.5 * math.pi / math.log(4.0)
-    assert qoi["heat_inner_W"] == pytest.approx(wanted, rel=2e-3)
+    assert qoi["heat_inner_W"] == approx(wanted, rel=2e-3)
     assert qoi["heat_ends_W"] == 0.0
 
 
@@ -176,8 +176,8 @@ def test_a_radial_bed_has_the_pressure_drop_of_its_ring(tmp_path):
     b = 1.75 * 1.2 * 0.6 / (0.4**3 * 0.005)
     flow = 0.2 * 0.4
     drop = a * flow * math.log(4.0) + b * flow**2 * (1 / 0.1 - 1 / 0.4)
-    assert qoi["pressure_drop_Pa"] == pytest.approx(drop, rel=0.01)
-    assert qoi["u_max_outlet"] == pytest.approx(0.8, rel=0.01)
+    assert qoi["pressure_drop_Pa"] == approx(drop, rel=0.01)
+    assert qoi["u_max_outlet"] == approx(0.8, rel=0.01)
 
 
 CORNER = f"""
@@ -204,6 +204,6 @@ def test_an_outlet_beside_the_flow_is_no_plug_flow():
     result = cb.run(loads(CORNER + closed))
     assert not result.plan.plug
     volume = result.balances["fluid volume"]
-    assert volume["in"] == pytest.approx(0.2 * 0.2, rel=1e-12)
-    assert volume["out"] == pytest.approx(0.2 * 0.2, rel=1e-9)
+    assert volume["in"] == approx(0.2 * 0.2, rel=1e-12)
+    assert volume["out"] == approx(0.2 * 0.2, rel=1e-9)
     assert result.qoi["u_max_outlet"] > 0.2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import skfem
+from numpy.testing import assert_allclose
 
 from contbed.fem.elements import Space
 from contbed.fem.probe import Probe, line_along
@@ -70,9 +71,9 @@ def test_linear_fields_are_exact_near_ends_and_at_nodes(settings):
     points = np.array(
         [line.probe(space, mesh.skfem.p[k]) for k in range(mesh.skfem.dim())]
     )
-    np.testing.assert_allclose(found, weights @ points, atol=1e-14)
-    np.testing.assert_allclose(points[mesh.axis], places, atol=1e-14)
-    np.testing.assert_allclose(
+    assert_allclose(found, weights @ points, atol=1e-14)
+    assert_allclose(points[mesh.axis], places, atol=1e-14)
+    assert_allclose(
         line.probe.slope(space, mesh.skfem.p[mesh.axis], mesh.axis), 1.0, rtol=1e-11
     )
 
@@ -87,7 +88,7 @@ def test_distorted_quadrilaterals():
     points = np.random.default_rng(1).uniform(0.02, 0.98, (2, 300))
     probe, space = Probe(mesh, points), Space(mesh.skfem, 1)
     found = np.array([probe(space, mesh.skfem.p[k]) for k in range(2)])
-    np.testing.assert_allclose(found, points, atol=1e-14)
+    assert_allclose(found, points, atol=1e-14)
 
 
 def test_an_obstacle_in_the_middle_moves_the_line():
@@ -103,9 +104,7 @@ def test_an_obstacle_in_the_middle_moves_the_line():
 def test_a_given_line_is_taken():
     mesh = with_hole((0.4, 0.07), (0.6, 0.13))
     line = line_along(mesh, across=(0.19,))
-    np.testing.assert_allclose(
-        line.probe(Space(mesh.skfem, 1), mesh.skfem.p[1]), 0.19, atol=1e-15
-    )
+    assert_allclose(line.probe(Space(mesh.skfem, 1), mesh.skfem.p[1]), 0.19, atol=1e-15)
 
 
 def test_no_line_is_an_error_with_its_remedy():

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 from skfem import MeshLine, MeshQuad
 from test_dual import EXPRESSION, evaluate
 
@@ -64,9 +65,9 @@ def compare(
             by_dual_numbers(function, x, y),
         )
         # the same operations; a function may round by its place in an array
-        np.testing.assert_allclose(value, expected, rtol=rounding, atol=0)
+        assert_allclose(value, expected, rtol=rounding, atol=0)
         for slope, tangent in zip(slopes, tangents, strict=True):
-            np.testing.assert_allclose(
+            assert_allclose(
                 slope, tangent, rtol=rounding, atol=rounding * np.abs(tangents).max()
             )
 
@@ -123,13 +124,11 @@ def test_forms_with_other_numbers_share_a_plan() -> None:
         value, (to_x, to_y) = found[k](x, y)
         w, power = weights[k, 0], 3.0 + k
         # three operations on top of those of numpy
-        np.testing.assert_allclose(
+        assert_allclose(
             to_x, np.where(upper[k], power * x ** (power - 1.0), w * y), rtol=1e-14
         )
-        np.testing.assert_allclose(
-            to_y, expected[k] + np.where(upper[k], 0.0, w * x), rtol=1e-14
-        )
-        np.testing.assert_allclose(
+        assert_allclose(to_y, expected[k] + np.where(upper[k], 0.0, w * x), rtol=1e-14)
+        assert_allclose(
             value,
             (2.5 + k) * tables[k][0](y) + np.where(upper[k], x**power, w * x * y),
             rtol=1e-14,
@@ -221,12 +220,10 @@ def test_same_matrices_as_the_assembly(dim: int, axisymmetric: bool) -> None:
         state = np.random.default_rng(seed).uniform(-1.0, 1.0, system.size)
         residual, matrix = system.assemble(forms, state)
         found, jacobian = together.assemble(state, True)
-        np.testing.assert_allclose(
-            found, residual, rtol=0, atol=1e-14 * np.abs(residual).max()
-        )
+        assert_allclose(found, residual, rtol=0, atol=1e-14 * np.abs(residual).max())
         assert jacobian is not None and matrix is not None
         assert abs(jacobian - matrix).max() < 1e-14 * abs(matrix).max()
-        np.testing.assert_array_equal(together.assemble(state, False)[0], found)
+        assert_array_equal(together.assemble(state, False)[0], found)
 
 
 def test_constant_results() -> None:
@@ -239,7 +236,7 @@ def test_constant_results() -> None:
     ]
     state = np.ones(system.size)
     residual, matrix = RecordedForms(system, forms).assemble(state, True)
-    np.testing.assert_array_equal(residual, system.assemble(forms, state)[0])
+    assert_array_equal(residual, system.assemble(forms, state)[0])
     assert matrix is not None and matrix.nnz == 0
 
 
@@ -257,12 +254,12 @@ def test_a_node_beside_a_dual_number_is_its_value() -> None:
         lambda place: graph.values([place], lambda *_: np.array([2.0, 3.0]))[0]
     )
     node, dual = Field(graph, "known", 0), Dual(np.array([5.0, 7.0]), {"T": np.ones(2)})
-    np.testing.assert_array_equal((node * 2.0).value, [4.0, 6.0])
+    assert_array_equal((node * 2.0).value, [4.0, 6.0])
     for found, slope in (
         (node * dual, [2.0, 3.0]),
         (dual * node, [2.0, 3.0]),
         (node + dual - node, [1.0, 1.0]),
     ):
-        np.testing.assert_array_equal(found.tangents["T"], slope)
-    np.testing.assert_array_equal(np.where(node > 2.5, dual, node).value, [2.0, 7.0])
+        assert_array_equal(found.tangents["T"], slope)
+    assert_array_equal(np.where(node > 2.5, dual, node).value, [2.0, 7.0])
     assert isinstance(node * node.value, Node)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.special import ndtr
 
 from contbed import cli
@@ -135,7 +136,7 @@ def test_ranges_are_even_and_exact_at_both_ends(low, high, count, spacing):
     assert len(found) == count
     assert (found[0], found[-1]) == (low, high)  # to the last bit
     steps = np.diff(np.log(np.abs(found)) if spacing == "log" else found)
-    np.testing.assert_allclose(steps, steps.mean(), rtol=1e-12)
+    assert_allclose(steps, steps.mean(), rtol=1e-12)
 
 
 def test_ranges_carry_units_and_count_in_whole_numbers():
@@ -181,13 +182,9 @@ def test_a_latin_hypercube_has_one_point_in_each_slice_of_equal_probability(coun
 
 def test_sobol_points_are_those_of_their_seed_and_fill_every_dimension():
     u = value_sets.sample("sobol", 64, seed=1, dimensions=6)
-    np.testing.assert_array_equal(
-        u, value_sets.sample("sobol", 64, seed=1, dimensions=6)
-    )
+    assert_array_equal(u, value_sets.sample("sobol", 64, seed=1, dimensions=6))
     # more points go on
-    np.testing.assert_array_equal(
-        u[:16], value_sets.sample("sobol", 16, seed=1, dimensions=6)
-    )
+    assert_array_equal(u[:16], value_sets.sample("sobol", 16, seed=1, dimensions=6))
     assert (u != value_sets.sample("sobol", 64, seed=2, dimensions=6)).all()
     for column in u.T:
         assert sorted(np.floor(64 * column).astype(int)) == list(range(64))
@@ -201,7 +198,7 @@ def test_a_normal_sample_has_its_mean_and_deviation_also_in_degrees():
     spread = value_sets.distribution(
         {"mean": "700 degC", "deviation": "10 degC"}, "K", never
     )
-    np.testing.assert_allclose(
+    assert_allclose(
         spread(ndtr(np.array([-2.0, 0.0, 1.0]))), [953.15, 973.15, 983.15], rtol=1e-12
     )
 
@@ -638,8 +635,8 @@ def test_main_effects_of_a_sum_are_its_terms():
     levels, means = _means(
         _Axis(quantities.parameter("boundary.left.gas.velocity", a), a), a + b
     )
-    np.testing.assert_allclose(levels, [1.0, 2.0, 5.0])
-    np.testing.assert_allclose(means, [26.0, 27.0, 30.0], rtol=1e-14)
+    assert_allclose(levels, [1.0, 2.0, 5.0])
+    assert_allclose(means, [26.0, 27.0, 30.0], rtol=1e-14)
     axes = [
         _Axis(quantities.parameter("boundary.left.gas.velocity", a), values)
         for values in (a, b, 3.0 * a + 1.0)

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from pytest import approx
 from wall_scenes import _finer, heats, reference, scene, solved, true_errors
 
 import contbed as cb
@@ -92,7 +93,7 @@ def test_estimate_of_interpolation(shape, degree):
         return np.exp((y - 0.1) / 2e-3)
 
     values = grid.values(layer(space.points[1]))
-    assert grid.nodal(values) == pytest.approx(layer(space.points[1]))
+    assert grid.nodal(values) == approx(layer(space.points[1]))
     y = np.linspace(0.0, 0.1, 20001)
     between = grid.interpolated(values, [np.array([0.07]), y])[0]
     found = grid.errors(values, np.ones_like(values))
@@ -107,12 +108,12 @@ def test_balanced_vertices_have_equal_errors():
     """
     ends = np.linspace(0.0, 1.0, 11)
     same = balanced(ends, np.ones(10), np.ones(2))
-    assert same == pytest.approx(ends)
+    assert same == approx(ends)
     finer = balanced(
         ends, np.where(np.arange(10) < 3, 0.25, 1.0), np.array([1e-3, 1.0])
     )
     size = np.diff(finer)
-    assert finer[[0, -1]] == pytest.approx([0.0, 1.0])
+    assert finer[[0, -1]] == approx([0.0, 1.0])
     assert 0.5e-4 < size[0] < 2e-4
     assert (size[1:] / size[:-1]).max() < 2.2
     assert size[finer[:-1] < 0.25].max() < 0.027
@@ -137,7 +138,7 @@ def test_an_automatic_plane_meets_its_tolerance():
     assert worst <= 1e-4
     assert heat <= 1e-4
     assert true_errors(first, problem, state, tuple(exact))[0] > 5e-4
-    assert result.qoi["heat_right_W"] == pytest.approx(heats(*exact)["right"], rel=1e-4)
+    assert result.qoi["heat_right_W"] == approx(heats(*exact)["right"], rel=1e-4)
 
 
 def test_rounds_are_limited_by_the_scene():
@@ -236,7 +237,7 @@ def test_a_corner_of_unlike_temperatures_is_told():
     growth = np.diff(found)
     # (1 - eps) k (T_2 - T_1) / (pi/2) ln(r_1/r_2)
     exact = 0.6 * 5.0 * 200.0 / (0.5 * np.pi) * np.log(100.0)
-    assert growth == pytest.approx([exact, exact], rel=0.05)
+    assert growth == approx([exact, exact], rel=0.05)
 
 
 def test_the_reference_keeps_the_cells_of_a_corner():

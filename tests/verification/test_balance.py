@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from moving_beds import moving, started
+from numpy.testing import assert_allclose
 
 import contbed as cb
 from contbed.fem.probe import Probe
@@ -237,9 +238,9 @@ def test_computed_flow_conserves_and_keeps_a_uniform_temperature(mesh, degree):
     closed(run(brinkman(mesh, (300.0, 400.0, 350.0), degree)))
     still = run(brinkman(mesh, (350.0, 350.0, 350.0), degree))
     for name in ("T_fluid [K]", "T_solid [K]"):
-        np.testing.assert_allclose(still.profiles[name], 350.0, rtol=0, atol=EQUAL)
+        assert_allclose(still.profiles[name], 350.0, rtol=0, atol=EQUAL)
     for name in ("T_fluid", "T_solid"):
-        np.testing.assert_allclose(still.nodal[name][1], 350.0, rtol=0, atol=EQUAL)
+        assert_allclose(still.nodal[name][1], 350.0, rtol=0, atol=EQUAL)
 
 
 def test_computed_flow_with_variable_properties_and_time():
@@ -271,7 +272,7 @@ def test_mirrored_line(solid):
     left = run(
         scene(velocity=-0.2, velocity_solid=-1e-4, boundary=mirrored, solid=solid)
     )
-    np.testing.assert_allclose(
+    assert_allclose(
         values_at(right, x[None]), values_at(left, 1.0 - x[None]), rtol=0, atol=EQUAL
     )
 
@@ -285,9 +286,9 @@ def test_mirrored_channel_with_computed_flow():
     back = run(values)
     reference = values_at(there, points)
     turned = np.array([[1.0], [0.0]]) + np.array([[-1.0], [1.0]]) * points
-    np.testing.assert_allclose(values_at(back, turned), reference, rtol=0, atol=EQUAL)
+    assert_allclose(values_at(back, turned), reference, rtol=0, atol=EQUAL)
     upside = np.array([[0.0], [0.4]]) + np.array([[1.0], [-1.0]]) * points
-    np.testing.assert_allclose(values_at(there, upside), reference, rtol=0, atol=EQUAL)
+    assert_allclose(values_at(there, upside), reference, rtol=0, atol=EQUAL)
 
 
 SIDES = (("left", "right"), ("front", "back"), ("bottom", "top"))
@@ -321,9 +322,7 @@ def test_one_dimension_stands_for_two_and_three():
             assert result.plan.mesh.skfem.dim() == (1 if reduce else len(cells))
             across = [np.full_like(x, 0.1)] * (result.plan.mesh.skfem.dim() - 1)
             at = np.array([*across, x] if mesh == "axisymmetric" else [x, *across])
-            np.testing.assert_allclose(
-                values_at(result, at), reference, rtol=0, atol=EQUAL
-            )
+            assert_allclose(values_at(result, at), reference, rtol=0, atol=EQUAL)
             assert result.balances["energy"]["in"] == pytest.approx(
                 section * entering, rel=1e-9
             )
@@ -352,7 +351,7 @@ def test_turned_plane():
     one = solved([0.2, 0.1], ["left", "bottom"])
     other = solved([-0.1, 0.2], ["bottom", "right"])
     turned = np.array([1.0 - points[1], points[0]])
-    np.testing.assert_allclose(
+    assert_allclose(
         values_at(other, turned), values_at(one, points), rtol=0, atol=EQUAL
     )
 
@@ -384,8 +383,6 @@ def test_inlets_against_the_exact_solution(inlet):
         slope = finite_length(0.0, 1.0, **c, derivative=1)[1]
         entry = 300.0 + 100.0 / (1.0 - float(slope) * c["d_solid"] / c["flux_solid"])
     f_exact, s_exact = (300.0 + (entry - 300.0) * v for v in finite_length(x, 1.0, **c))
-    np.testing.assert_allclose(s, s_exact, rtol=0, atol=1e-4)
-    np.testing.assert_allclose(
-        result.profiles["T_fluid [K]"], f_exact, rtol=0, atol=1e-4
-    )
+    assert_allclose(s, s_exact, rtol=0, atol=1e-4)
+    assert_allclose(result.profiles["T_fluid [K]"], f_exact, rtol=0, atol=1e-4)
     assert inlet == "fixed_temperature" or entry < 399.95

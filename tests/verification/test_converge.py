@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.loading import load, loads
 from contbed.many.converge import converge
@@ -72,12 +73,10 @@ def scene(path: Path, *changes: tuple[str, str]) -> Path:
 def test_paper_case(tmp_path: Path) -> None:
     found = converge(STUDY, 5, tmp_path, exact=exact_profile(plan(load(STUDY))))
     assert found.exact
-    assert [level.order for level in found.levels[1:]] == pytest.approx(
-        [3.0] * 4, abs=0.3
-    )
+    assert [level.order for level in found.levels[1:]] == approx([3.0] * 4, abs=0.3)
     assert found.levels[-1].error < 1e-7
     table = read_table_with_gaps(tmp_path / "convergence.csv")
-    assert table["error [1]"] == pytest.approx([level.error for level in found.levels])
+    assert table["error [1]"] == approx([level.error for level in found.levels])
     assert (tmp_path / "convergence.png").stat().st_size > 1000
     assert str(found).count("\n") == 6
 
@@ -97,7 +96,7 @@ def test_order_on_prescribed_cells(tmp_path: Path, degree: int) -> None:
     )
     found = converge(file, 3, exact=exact_profile(plan(load(file))))
     assert found.exact
-    assert found.levels[-1].order == pytest.approx(degree + 1, abs=0.3)
+    assert found.levels[-1].order == approx(degree + 1, abs=0.3)
     assert [round(level.h / found.levels[-1].h) for level in found.levels] == [4, 2, 1]
 
 
@@ -106,7 +105,7 @@ def test_difference_of_levels_without_a_closed_form(tmp_path: Path) -> None:
     found = converge(file, 4)
     assert not found.exact
     assert np.isnan(found.levels[0].error)
-    assert found.levels[-1].order == pytest.approx(3.0, abs=0.3)
+    assert found.levels[-1].order == approx(3.0, abs=0.3)
 
 
 REACTING = """
@@ -152,10 +151,8 @@ def test_fractions_of_an_isothermal_reacting_bed(tmp_path: Path) -> None:
     found = converge(file, 4)
     assert found.measure.endswith(": T_fluid, T_solid, x_O2, x_O3")
     assert found.levels[-1].error > 1e-5
-    assert found.levels[-1].order == pytest.approx(2.0, abs=0.2)
-    assert [level.h for level in found.levels] == pytest.approx(
-        [0.25, 0.125, 0.0625, 0.03125]
-    )
+    assert found.levels[-1].order == approx(2.0, abs=0.2)
+    assert [level.h for level in found.levels] == approx([0.25, 0.125, 0.0625, 0.03125])
 
 
 def test_a_reacting_bed_in_time(tmp_path: Path) -> None:

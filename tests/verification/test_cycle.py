@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.course.described import described_steps
 from contbed.course.schedule import Schedule
@@ -73,18 +74,18 @@ FAST = {(30, 20, 30, 25)}
 def test_regenerator(tmp_path, numbers, row):
     found = run(load(regenerator(tmp_path / "s.toml", numbers[:2], numbers[2:])))
     # of time steps with a local error of 1e-4
-    assert found.qoi["effectiveness_charge"] == pytest.approx(
+    assert found.qoi["effectiveness_charge"] == approx(
         row["effectiveness_hot"], abs=2e-4
     )
     # heat above that of the cold gas, which enters with the hot gas alone
     entered = 100.0 * CONTENT * row["Pi_hot"] / row["Lambda_hot"]
-    assert found.balances["energy"]["in"] == pytest.approx(entered, rel=1e-6)
-    assert found.qoi["effectiveness_discharge"] == pytest.approx(
+    assert found.balances["energy"]["in"] == approx(entered, rel=1e-6)
+    assert found.qoi["effectiveness_discharge"] == approx(
         row["effectiveness_cold"], abs=2e-4
     )
     # 1e-8 of 100 K over the period, and so for the heat
     assert found.qoi["cycle_change_K"] <= 1e-6
-    assert found.qoi["storage_efficiency"] == pytest.approx(1.0, abs=1e-6)
+    assert found.qoi["storage_efficiency"] == approx(1.0, abs=1e-6)
     # repetition takes 250 periods to 1e-8 for (20, 2), and thousands for (50, 0.1)
     assert found.qoi["cycle_periods"] <= (60 if min(numbers[1::2]) < 0.5 else 40)
     assert_closed(found, 1e-11, "energy")
@@ -119,7 +120,7 @@ def test_the_end_of_the_period_is_its_start(tmp_path):
     found = run(load(path))
     assert found.qoi["cycle_change_K"] <= 1e-6 and found.qoi[
         "storage_efficiency"
-    ] == pytest.approx(1.0, abs=1e-6)
+    ] == approx(1.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("moment", [40, 333, 505])
@@ -153,7 +154,7 @@ def test_anderson_solves_a_linear_problem_in_as_many_steps_as_it_has_unknowns():
     shift, state, accelerate = rng.standard_normal(6), np.zeros(6), Anderson()
     for _ in range(8):
         state = accelerate(state, matrix @ state + shift)
-    assert state == pytest.approx(np.linalg.solve(np.eye(6) - matrix, shift), rel=1e-7)
+    assert state == approx(np.linalg.solve(np.eye(6) - matrix, shift), rel=1e-7)
 
 
 def test_a_cycle_without_series_is_refused(tmp_path):
@@ -196,4 +197,4 @@ heat = {{}}
         T_0 - T_amb
     )
     wanted = [[row[f"theta_{where}"] for where in ("0", "half", "1")] for row in group]
-    assert theta == pytest.approx(np.array(wanted), abs=1e-4)
+    assert theta == approx(np.array(wanted), abs=1e-4)

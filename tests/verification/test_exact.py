@@ -4,6 +4,8 @@ high-precision solves.
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from pytest import approx
 from scipy.integrate import quad
 from scipy.linalg import expm
 
@@ -124,9 +126,9 @@ def test_pivem_equilibrium_and_length(name):
     """
     row, equilibrium, length = PIVEM[name]
     lam, r = exact.decay_rate(*bed(*row))
-    assert 1.0 / (1.0 - r) == pytest.approx(equilibrium, abs=5.1e-7)
+    assert 1.0 / (1.0 - r) == approx(equilibrium, abs=5.1e-7)
     if length is not None:
-        assert np.log(100.0) / lam == pytest.approx(length, abs=5.1e-7)
+        assert np.log(100.0) / lam == approx(length, abs=5.1e-7)
 
 
 def test_mixing_value_differs_from_equilibrium():
@@ -134,7 +136,7 @@ def test_mixing_value_differs_from_equilibrium():
     ratio of the convective fluxes.
     """
     _, r = exact.decay_rate(*bed(*PIVEM["reynolds_10"][0]))
-    assert 1.0 / (1.0 - r) - 0.75 / 1.75 == pytest.approx(0.448666 - 0.428571, abs=1e-6)
+    assert 1.0 / (1.0 - r) - 0.75 / 1.75 == approx(0.448666 - 0.428571, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", EXTREME)
@@ -171,7 +173,7 @@ def test_long_bed_approaches_semi_infinite():
     coefficients = bed(*PIVEM["reynolds_50"][0])
     lam, _ = exact.decay_rate(*coefficients)
     x = np.linspace(0.0, 20.0 / lam, 50)
-    np.testing.assert_allclose(
+    assert_allclose(
         exact.finite_length(x, 40.0 / lam, *coefficients),
         exact.semi_infinite(x, *coefficients),
         atol=1e-14,
@@ -183,9 +185,9 @@ def test_semi_infinite_at_huge_distance_and_without_solid_inlet():
     fluid's temperature at once.
     """
     f, s = exact.semi_infinite(np.array([0.0, 1e6]), 1.0, 1.0, 0.0, 0.0, 0.5)
-    np.testing.assert_array_equal([f, s], [[0.0, 0.5], [1.0, 0.5]])
+    assert_array_equal([f, s], [[0.0, 0.5], [1.0, 0.5]])
     f, s = exact.semi_infinite([0.0, 1e-9, 1.0], 1.0, 0.0, 0.1, 0.0, 10.0)
-    np.testing.assert_array_equal([f, s], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    assert_array_equal([f, s], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 def test_impossible_coefficients_are_refused():
@@ -210,13 +212,13 @@ def test_nakayama():
     peclet = exact.nakayama_peclet(100.0, MU_FLUID * CP_FLUID / K_FLUID, 0.4)
     coefficients = exact.nakayama_coefficients(peclet, 0.4, 40.0, 50.0, tortuosity)
     lam, r = exact.decay_rate(**coefficients)
-    assert tortuosity == pytest.approx(-0.01321964, abs=5e-9)
-    assert tortuosity * 39.0**2 + 0.4 + 0.6 * 40.0 == pytest.approx(4.2929334, abs=5e-8)
-    assert peclet == pytest.approx(11.951048, abs=5e-7)
-    assert lam == pytest.approx(0.60922966, abs=5e-9)
-    assert 1.0 / (1.0 - r) == pytest.approx(0.04569593, abs=5e-9)
+    assert tortuosity == approx(-0.01321964, abs=5e-9)
+    assert tortuosity * 39.0**2 + 0.4 + 0.6 * 40.0 == approx(4.2929334, abs=5e-8)
+    assert peclet == approx(11.951048, abs=5e-7)
+    assert lam == approx(0.60922966, abs=5e-9)
+    assert 1.0 / (1.0 - r) == approx(0.04569593, abs=5e-9)
     f, s = exact.semi_infinite([0.0, 1e3], **coefficients)
-    np.testing.assert_allclose(
+    assert_allclose(
         [1.0 - f, 1.0 - s], [[1.0, 0.95430407], [0.0, 0.95430407]], atol=5e-9
     )
 
@@ -228,12 +230,8 @@ SCHUMANN_A = (0.20169758196457, 3.5576862041633, 4.5291839336383)
 def test_schumann_published():
     """Bed A at t = 2.25 s, z = 0.1, 0.2, 0.25, 0.3 m: all eight recorded digits."""
     f, s = exact.schumann([0.1, 0.2, 0.25, 0.3], 2.25, *SCHUMANN_A)
-    np.testing.assert_allclose(
-        f, [0.98902260, 0.81327151, 0.58935161, 0.32609428], atol=5e-9
-    )
-    np.testing.assert_allclose(
-        s, [0.97293030, 0.70894060, 0.45448543, 0.21209334], atol=5e-9
-    )
+    assert_allclose(f, [0.98902260, 0.81327151, 0.58935161, 0.32609428], atol=5e-9)
+    assert_allclose(s, [0.97293030, 0.70894060, 0.45448543, 0.21209334], atol=5e-9)
 
 
 def test_schumann_against_quadrature_of_many_digits():
@@ -263,9 +261,7 @@ def test_schumann_against_quadrature_of_many_digits():
                 sorted({mp.mpf(0), mp.mpf(tau) / 2, min(xi, tau), mp.mpf(tau)}),
             )
             computed = exact.schumann(xi, xi + tau, 1.0, 1.0, 1.0)
-            np.testing.assert_allclose(
-                computed, [float(fluid), float(solid)], rtol=1e-14
-            )
+            assert_allclose(computed, [float(fluid), float(solid)], rtol=1e-14)
 
 
 def test_schumann_limits():
@@ -276,13 +272,13 @@ def test_schumann_limits():
     z = np.array([[0.1], [0.3]])
     f, s = exact.schumann(z, np.array([0.0, 0.4, 1e3]), u, a, b)
     assert f.shape == s.shape == (2, 3)
-    np.testing.assert_array_equal(f[:, 0], 0.0)
-    np.testing.assert_array_equal(s[:, 0], 0.0)
-    np.testing.assert_allclose([f[:, 2], s[:, 2]], 1.0, atol=1e-14)
-    np.testing.assert_allclose(
+    assert_array_equal(f[:, 0], 0.0)
+    assert_array_equal(s[:, 0], 0.0)
+    assert_allclose([f[:, 2], s[:, 2]], 1.0, atol=1e-14)
+    assert_allclose(
         exact.schumann(0.5, 0.5, 1.0, 7.0, 2.0), [np.exp(-3.5), 0.0], atol=1e-15
     )
-    np.testing.assert_allclose(
+    assert_allclose(
         exact.schumann(0.0, 0.25, u, a, b), [1.0, -np.expm1(-b / 4.0)], atol=1e-15
     )
 
@@ -304,7 +300,7 @@ def test_relaxation_is_the_matrix_exponential(losses):
         computed = exact.two_temperature_relaxation(
             t, *capacity, ha, *start, *losses, ambient
         )
-        np.testing.assert_allclose(computed, expected, rtol=1e-12)
+        assert_allclose(computed, expected, rtol=1e-12)
 
 
 def test_fin_is_the_limit_of_infinite_fluid_flux():
@@ -313,12 +309,10 @@ def test_fin_is_the_limit_of_infinite_fluid_flux():
     """
     x = np.linspace(0.0, 0.3, 13)
     s = exact.fin(x, 0.3, 2.0, 500.0)
-    np.testing.assert_allclose(
+    assert_allclose(
         s, exact.finite_length(x, 0.3, 1e12, 0.0, 0.1, 2.0, 500.0)[1], atol=1e-9
     )
-    np.testing.assert_allclose(
-        s[[0, -1]], [1.0, 1.0 / np.cosh(0.3 * np.sqrt(250.0))], rtol=1e-15
-    )
+    assert_allclose(s[[0, -1]], [1.0, 1.0 / np.cosh(0.3 * np.sqrt(250.0))], rtol=1e-15)
 
 
 # Pivem slip row: H, u_D, mu, rho, K = Da H^2 with the printed Da, porosity; c_F (Ward)
@@ -362,8 +356,8 @@ def test_channel_published(slip, forchheimer, peak, gradient):
     u_D).
     """
     result = channel(0.0, slip, forchheimer)
-    assert result.u_max / U_MEAN == pytest.approx(peak, abs=6e-12)
-    assert result.pressure_gradient * HEIGHT**2 / (MU_FLUID * U_MEAN) == pytest.approx(
+    assert result.u_max / U_MEAN == approx(peak, abs=6e-12)
+    assert result.pressure_gradient * HEIGHT**2 / (MU_FLUID * U_MEAN) == approx(
         gradient, rel=1e-9
     )
 
@@ -410,8 +404,8 @@ def test_channel_first_integral(slip, darcy):
     options = {"points": kink, "epsabs": 0.0, "epsrel": 1e-10, "limit": 400}
     half_width = quad(spacing, 0.0, top, **options)[0]
     half_flow = quad(lambda s: (peak - s * s) * spacing(s), 0.0, top, **options)[0]
-    assert half_width == pytest.approx(HEIGHT / 2.0, rel=1e-8)
-    assert half_flow == pytest.approx(U_MEAN * HEIGHT / 2.0, rel=1e-8)
+    assert half_width == approx(HEIGHT / 2.0, rel=1e-8)
+    assert half_flow == approx(U_MEAN * HEIGHT / 2.0, rel=1e-8)
 
 
 @pytest.mark.parametrize("darcy", [1e-8, 1e-5, 1e-3, 10.0])
@@ -429,13 +423,11 @@ def test_channel_extremes(slip, darcy):
         WARD,
         permeability=darcy * HEIGHT**2,
     )
-    assert np.sum(half * weights * result.u) == pytest.approx(
-        U_MEAN * HEIGHT / 2.0, rel=1e-9
-    )
+    assert np.sum(half * weights * result.u) == approx(U_MEAN * HEIGHT / 2.0, rel=1e-9)
     walls = channel(
         np.array([0.0, HEIGHT]), slip, WARD, permeability=darcy * HEIGHT**2
     ).u
-    np.testing.assert_allclose(walls, 0.0, atol=1e-14)
+    assert_allclose(walls, 0.0, atol=1e-14)
 
 
 def test_channel_without_inertia_is_the_limit():
@@ -443,7 +435,7 @@ def test_channel_without_inertia_is_the_limit():
     the mean velocity.
     """
     y = np.linspace(0.0, HEIGHT, 31)
-    np.testing.assert_allclose(
+    assert_allclose(
         channel(y, 0.5, 1e-13).u, channel(y, 0.5, 0.0).u, atol=1e-11 * U_MEAN
     )
 

@@ -9,6 +9,7 @@ import re
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.special import expn
 
 from contbed.loading import from_dict
@@ -79,12 +80,10 @@ def test_black_plates(tau):
     exact = Equilibrium(tau)
     assert abs(exact.flux - psi) < UNIT * 1e-11
     assert abs(exact.slip - slip) < UNIT * 1e-11
-    assert 100.0 * (equilibrium_flux(tau, TWO_FLUX) / psi - 1.0) == pytest.approx(
+    assert 100.0 * (equilibrium_flux(tau, TWO_FLUX) / psi - 1.0) == approx(
         two_flux, abs=0.0051
     )
-    assert 100.0 * (equilibrium_flux(tau, P1) / psi - 1.0) == pytest.approx(
-        p1, abs=0.0051
-    )
+    assert 100.0 * (equilibrium_flux(tau, P1) / psi - 1.0) == approx(p1, abs=0.0051)
 
 
 @pytest.mark.parametrize("tau", [tau for tau in HEASLET_WARMING if tau >= 3.0])
@@ -108,7 +107,7 @@ def test_a_scene_says_how_low_two_flux_is(tau):
     (said,) = (text for text in scene.warnings if "two-flux method carries" in text)
     low = float(re.search(r"carries ([\d.]+) %", said)[1])
     exact = HEASLET_WARMING[tau][0]
-    assert low / 100.0 == pytest.approx(
+    assert low / 100.0 == approx(
         1.0 - equilibrium_flux(tau, TWO_FLUX) / exact, abs=0.01
     )
     assert "p1 or rosseland" in said
@@ -117,10 +116,10 @@ def test_a_scene_says_how_low_two_flux_is(tau):
 def test_equilibrium_limits():
     thin, thick = 1e-4, 100.0
     # the next term is tau^2 ln(tau)/2
-    assert Equilibrium(thin).flux == pytest.approx(1.0 - thin, abs=1e-7)
+    assert Equilibrium(thin).flux == approx(1.0 - thin, abs=1e-7)
     # Hopf's constant: the profile extrapolates to the wall powers at 0.710446 mean free
     # paths behind the walls
-    assert Equilibrium(thick).flux == pytest.approx(
+    assert Equilibrium(thick).flux == approx(
         4.0 / 3.0 / (thick + 2.0 * 0.7104460896), abs=1e-12
     )
 
@@ -136,9 +135,7 @@ def test_gray_plates_follow_from_black_ones(D, emissivity):
     )
     black, gray = solve((1.0, 1.0)), solve(emissivity)
     # the walls' own balance has lost 1/e of the 16 digits
-    assert gray == pytest.approx(
-        gray_plates(black, emissivity), rel=1e-14 / min(emissivity)
-    )
+    assert gray == approx(gray_plates(black, emissivity), rel=1e-14 / min(emissivity))
 
 
 @pytest.mark.parametrize("case", EMITTANCE)
@@ -149,14 +146,12 @@ def test_isothermal_slab(case):
     for D, percent in ((TWO_FLUX, two_flux), (P1, p1)):
         if percent is not None:
             error = 100.0 * (isothermal_slab(tau, D, albedo) / exact - 1.0)
-            assert error == pytest.approx(percent, abs=0.06)
+            assert error == approx(percent, abs=0.06)
 
 
 def test_slab_without_scattering():
     for tau in (1e-3, 0.5, 20.0):
-        assert slab_emittance(tau, 0.0) == pytest.approx(
-            1.0 - 2.0 * expn(3, tau), abs=1e-13
-        )
+        assert slab_emittance(tau, 0.0) == approx(1.0 - 2.0 * expn(3, tau), abs=1e-13)
 
 
 def test_kirchhoff():
@@ -168,21 +163,19 @@ def test_kirchhoff():
     powers = np.zeros(len(medium.depth) + 2)
     powers[-2] = 1.0
     entering, leaving = medium.respond(albedo).wall_fluxes(powers)
-    assert entering - leaving == pytest.approx(slab_emittance(tau, albedo), abs=1e-13)
+    assert entering - leaving == approx(slab_emittance(tau, albedo), abs=1e-13)
 
 
 def test_half_space():
     s = 0.8622 / (2.0 - 0.8622)
     albedo = np.array([0.0, 1.0 - s * s, 0.9])
     exact = half_space_emittance(albedo)
-    assert exact[0] == pytest.approx(1.0, abs=1e-14)
-    assert exact[1] == pytest.approx(0.8832, abs=UNIT * 1e-4)
-    assert exact[2] == pytest.approx(slab_emittance(60.0, 0.9), abs=1e-12)
+    assert exact[0] == approx(1.0, abs=1e-14)
+    assert exact[1] == approx(0.8832, abs=UNIT * 1e-4)
+    assert exact[2] == approx(slab_emittance(60.0, 0.9), abs=1e-12)
     # the leading term at high albedo
     near = 1.0 - 1e-8
-    assert half_space_emittance(near) == pytest.approx(
-        4.0 / np.sqrt(3.0) * 1e-4, rel=3e-4
-    )
+    assert half_space_emittance(near) == approx(4.0 / np.sqrt(3.0) * 1e-4, rel=3e-4)
     with pytest.raises(ValueError, match="albedo"):
         half_space_emittance(1.0)
 
@@ -217,16 +210,10 @@ def test_conduction_without_coupling(albedo):
         result = solve()
         conducted = 4.0 * N * (1.0 - cold) / tau
         straight = 1.0 - (1.0 - cold) * result.depth / tau
-        assert result.theta == pytest.approx(
-            straight, abs=1e-6 if albedo < 1.0 else 1e-13
-        )
+        assert result.theta == approx(straight, abs=1e-6 if albedo < 1.0 else 1e-13)
         if albedo == 1.0:
-            assert result.total == pytest.approx(
-                conducted + psi * (1.0 - cold**4), rel=1e-12
-            )
-            assert result.radiative == pytest.approx(
-                [psi * (1.0 - cold**4)] * 2, rel=1e-11
-            )
+            assert result.total == approx(conducted + psi * (1.0 - cold**4), rel=1e-12)
+            assert result.radiative == approx([psi * (1.0 - cold**4)] * 2, rel=1e-11)
 
 
 def test_conduction_with_gray_walls_and_scattering():
@@ -236,24 +223,22 @@ def test_conduction_with_gray_walls_and_scattering():
     tau, N, cold, albedo = 2.0, 0.02, 0.3, 0.6
     forward = conduction_radiation(tau, N, cold, albedo, (0.3, 0.8))
     backward = conduction_radiation(tau, N / cold**3, 1.0 / cold, albedo, (0.8, 0.3))
-    assert backward.total * cold**4 == pytest.approx(-forward.total, rel=1e-11)
+    assert backward.total * cold**4 == approx(-forward.total, rel=1e-11)
     coarse, fine = (
         conduction_diffusion(tau, N, cold, P1, albedo, (0.3, 0.8), degree)
         for degree in (0, 140)
     )
-    assert coarse.total == pytest.approx(fine.total, rel=1e-11)
-    assert coarse.radiative == pytest.approx(fine.radiative, rel=1e-10)
+    assert coarse.total == approx(fine.total, rel=1e-11)
+    assert coarse.radiative == approx(fine.radiative, rel=1e-10)
 
 
 @pytest.mark.parametrize("tau", SQUARE)
 def test_square(tau):
     exact, p1 = SQUARE[tau]
     x = np.array([0.1, 0.3, 0.5])
-    assert square_transport(x, tau) == pytest.approx(exact, abs=UNIT * 1e-8)
-    assert square_p1(x, tau) == pytest.approx(square_p1(1.0 - x, tau), abs=1e-10)
+    assert square_transport(x, tau) == approx(exact, abs=UNIT * 1e-8)
+    assert square_p1(x, tau) == approx(square_p1(1.0 - x, tau), abs=1e-10)
     if p1 is not None:
         digits = 1e-10 if tau == 1.0 else 1e-8
-        assert square_p1(x, tau) == pytest.approx(p1, abs=UNIT * digits)
-        assert square_p1(x, tau, degree=110) == pytest.approx(
-            square_p1(x, tau), abs=1e-10
-        )
+        assert square_p1(x, tau) == approx(p1, abs=UNIT * digits)
+        assert square_p1(x, tau, degree=110) == approx(square_p1(x, tau), abs=1e-10)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from moving_beds import started
+from pytest import approx
 
 import contbed as cb
 from contbed.course import dirk
@@ -74,7 +75,7 @@ def test_the_flow_ends_as_that_of_the_steady_state():
     steady = cooling(60.0).model_copy(update={"time": None})
     wanted = cb.run(steady).qoi
     for name in ("u_max", "pressure_drop_Pa", "T_fluid_out_K"):
-        assert result.qoi[name] == pytest.approx(wanted[name], rel=5e-3)
+        assert result.qoi[name] == approx(wanted[name], rel=5e-3)
     assert result.qoi["flow_solutions"] > 10
     assert local_flow.CHANGE < result.qoi["flow_change"] < local_flow.LAGS
     assert_closed(result, 1e-12, "fluid volume")
@@ -91,7 +92,7 @@ def test_the_flow_starts_with_the_initial_temperatures():
     cold = cb.run(
         cooling(1e-4, time={"tolerance": 0.5}, initial=started(300.0, 300.0))
     ).qoi
-    assert start["u_max"] == pytest.approx(3.0 * cold["u_max"], rel=0.05)
+    assert start["u_max"] == approx(3.0 * cold["u_max"], rel=0.05)
     assert start["pressure_drop_Pa"] > 2.5 * cold["pressure_drop_Pa"]
 
 
@@ -114,8 +115,8 @@ def test_mass_flux_of_a_gas_that_enters_hotter():
     entered = of_one * (1.0 - np.log(2.0))
     space, velocity = result.nodal["u"]
     np.testing.assert_allclose(velocity[0, space.points[0] == 0.0], 0.5, rtol=0.02)
-    assert result.balances["fluid volume"]["in"] == pytest.approx(0.03, rel=1e-12)
-    assert result.balances["energy"]["in"] == pytest.approx(entered, rel=0.02)
+    assert result.balances["fluid volume"]["in"] == approx(0.03, rel=1e-12)
+    assert result.balances["energy"]["in"] == approx(entered, rel=0.02)
     assert_closed(result, 1e-10, "energy")
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from manufactured_cases import Heat
+from pytest import approx
 from scipy.integrate import quad
 
 import contbed as cb
@@ -110,7 +111,7 @@ def test_storage_is_weighted_as_a_source(shape: str) -> None:
     )[0]
     sunk = steady(0.0) - steady(0.7)
     assert np.abs(sunk).max() > 1e-3
-    assert stored == pytest.approx(sunk, abs=1e-12)
+    assert stored == approx(sunk, abs=1e-12)
 
 
 def test_dispersion_along_a_line_is_conductivity() -> None:
@@ -121,16 +122,16 @@ def test_dispersion_along_a_line_is_conductivity() -> None:
     conducting = cb.run(bed(1.1))
     for name, values in conducting.profiles.items():
         if name.startswith("T_"):
-            assert dispersed.profiles[name] == pytest.approx(values, rel=1e-12), name
+            assert dispersed.profiles[name] == approx(values, rel=1e-12), name
 
 
 def test_heat_content_of_a_constant_fluid() -> None:
     """eps rho c_p times the change of temperature."""
     medium = plan(bed(0.3)).medium
-    assert medium.content_fluid(700.0) - medium.content_fluid(400.0) == pytest.approx(
+    assert medium.content_fluid(700.0) - medium.content_fluid(400.0) == approx(
         0.4 * 1.2 * 1005.0 * 300.0
     )
-    assert medium.content_solid(700.0) - medium.content_solid(400.0) == pytest.approx(
+    assert medium.content_solid(700.0) - medium.content_solid(400.0) == approx(
         0.6 * 2500.0 * 900.0 * 300.0
     )
 
@@ -151,7 +152,7 @@ def test_heat_content_of_a_gas() -> None:
             epsabs=0.0,
         )[0]
     )
-    assert medium.content_fluid(700.0) - medium.content_fluid(400.0) == pytest.approx(
+    assert medium.content_fluid(700.0) - medium.content_fluid(400.0) == approx(
         expected, rel=1e-7
     )
 
@@ -172,7 +173,7 @@ def test_heat_content_beyond_the_range_of_a_fluid_has_the_slope_of_its_end() -> 
     for end, beyond in ((295.0, 275.0), (650.0, 670.0)):
         slope = 0.4 * float(fluid.density(end) * fluid.heat_capacity(end))
         change = medium.content_fluid(beyond) - medium.content_fluid(end)
-        assert change == pytest.approx(slope * (beyond - end), rel=1e-9)
+        assert change == approx(slope * (beyond - end), rel=1e-9)
 
 
 def test_scale_of_the_balance() -> None:
@@ -181,9 +182,9 @@ def test_scale_of_the_balance() -> None:
 
     A larger scale would let an open balance pass.
     """
-    assert posed(bed(0.3)).throughput() == pytest.approx(1.2 * 0.2 * 1005.0 * 900.0)
+    assert posed(bed(0.3)).throughput() == approx(1.2 * 0.2 * 1005.0 * 900.0)
     held = (0.4 * 1.2 * 1005.0 + 0.6 * 2500.0 * 900.0) * 0.2 * 900.0
-    assert posed(bed(0.3)).capacity() == pytest.approx(held)
+    assert posed(bed(0.3)).capacity() == approx(held)
 
 
 def test_a_balance_is_measured_against_what_crosses() -> None:
@@ -198,7 +199,7 @@ def test_a_balance_is_measured_against_what_crosses() -> None:
         "W",
         300.0,
     )
-    assert balance["relative_residual"] == pytest.approx(1e-6)
+    assert balance["relative_residual"] == approx(1e-6)
 
 
 def test_a_closure_of_the_whole_bed_beside_the_fluid_is_told() -> None:
@@ -230,7 +231,7 @@ def test_limits_of_the_stabilisation() -> None:
     """tau is C h/(2 C u), C h^2/(12 k) and C/a where convection, conduction or
     exchange is all there is.
     """
-    assert tau(2.0, 0.0, 0.0, 3.0, 0.1, 1) == pytest.approx(3.0 * 0.1 / (2.0 * 2.0))
-    assert tau(2.0, 0.0, 0.0, 3.0, 0.1, 2) == pytest.approx(3.0 * 0.05 / (2.0 * 2.0))
-    assert tau(0.0, 2.0, 0.0, 3.0, 0.1, 1) == pytest.approx(3.0 * 0.1**2 / (12.0 * 2.0))
-    assert tau(0.0, 0.0, 2.0, 3.0, 0.1, 1) == pytest.approx(3.0 / 2.0)
+    assert tau(2.0, 0.0, 0.0, 3.0, 0.1, 1) == approx(3.0 * 0.1 / (2.0 * 2.0))
+    assert tau(2.0, 0.0, 0.0, 3.0, 0.1, 2) == approx(3.0 * 0.05 / (2.0 * 2.0))
+    assert tau(0.0, 2.0, 0.0, 3.0, 0.1, 1) == approx(3.0 * 0.1**2 / (12.0 * 2.0))
+    assert tau(0.0, 0.0, 2.0, 3.0, 0.1, 1) == approx(3.0 / 2.0)

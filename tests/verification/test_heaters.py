@@ -2,7 +2,7 @@
 
 from math import exp
 
-import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.loading import loads
@@ -33,26 +33,26 @@ def test_a_counter_current_heater_is_that_of_the_handbook():
     q = heater(3.0, "right")
     fall = exp(-3.0 * (1.0 - 0.5))
     share = (1.0 - fall) / (1.0 - 0.5 * fall)
-    assert q["effectiveness"] == pytest.approx(share, rel=1e-5)
-    assert q["NTU"] == pytest.approx(3.0, rel=1e-4)
+    assert q["effectiveness"] == approx(share, rel=1e-5)
+    assert q["NTU"] == approx(3.0, rel=1e-4)
     # the particles enter 200 K hotter; the fluid, which carries less, meets them there
-    assert q["pinch_K"] == pytest.approx(200.0 * (1.0 - share), rel=1e-3)
+    assert q["pinch_K"] == approx(200.0 * (1.0 - share), rel=1e-3)
     assert q["pinch_m"] == 1.0
 
 
 def test_equal_streams_have_one_difference_of_temperatures():
     q = heater(3.0, "right", "0.5e-3")
-    assert q["effectiveness"] == pytest.approx(0.75, rel=1e-5)
-    assert q["NTU"] == pytest.approx(3.0, rel=1e-4)
-    assert q["pinch_K"] == pytest.approx(50.0, rel=1e-4)
+    assert q["effectiveness"] == approx(0.75, rel=1e-5)
+    assert q["NTU"] == approx(3.0, rel=1e-4)
+    assert q["pinch_K"] == approx(50.0, rel=1e-4)
 
 
 def test_a_co_current_heater_is_that_of_the_handbook():
     q = heater(1.2, "left")
     share = (1.0 - exp(-1.2 * 1.5)) / 1.5
-    assert q["effectiveness"] == pytest.approx(share, rel=1e-5)
-    assert q["NTU"] == pytest.approx(1.2, rel=1e-4)
-    assert q["pinch_K"] == pytest.approx(200.0 * exp(-1.2 * 1.5), rel=1e-4)
+    assert q["effectiveness"] == approx(share, rel=1e-5)
+    assert q["NTU"] == approx(1.2, rel=1e-4)
+    assert q["pinch_K"] == approx(200.0 * exp(-1.2 * 1.5), rel=1e-4)
 
 
 def test_no_exchanger_is_better_than_the_best():

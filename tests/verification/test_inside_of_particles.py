@@ -8,6 +8,7 @@ from itertools import groupby
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.loading import load
 from contbed.models import plan
@@ -112,10 +113,10 @@ def test_breakthrough(tmp_path, numbers, group):
     # time steps of a local error of 5e-6 and 200 cells; four points inside err by up to
     # 2e-4 where Bi = 10, xi = 5
     error = 3e-4 if Bi == 10 and xi < 20 else 1e-4
-    assert at_the_outlet(found, "T_fluid") == pytest.approx(
+    assert at_the_outlet(found, "T_fluid") == approx(
         [r["theta_gas"] for r in group], abs=error
     )
-    assert at_the_outlet(found, "T_solid") == pytest.approx(
+    assert at_the_outlet(found, "T_solid") == approx(
         [r["theta_solid_mean"] for r in group], abs=error
     )
     assert_closed(found, 1e-11, "energy")
@@ -145,7 +146,7 @@ def test_corrected_film_errs_as_predicted(tmp_path, row):
     found = run(load(path))
     (theta,) = at_the_outlet(found, "T_fluid")
     # fronts along characteristics on cells, of second order
-    assert theta == pytest.approx(row["theta_gas"] + row["ldf_error"], abs=5e-5)
+    assert theta == approx(row["theta_gas"] + row["ldf_error"], abs=5e-5)
 
 
 @pytest.mark.parametrize(
@@ -174,7 +175,7 @@ def test_breakthrough_with_dispersion_and_hold_up(tmp_path, case):
         )
     )
     # of 1e-5 per time step
-    assert at_the_outlet(found, "T_fluid") == pytest.approx(
+    assert at_the_outlet(found, "T_fluid") == approx(
         [r["theta_out"] for r in group], abs=1e-4
     )
 
@@ -200,10 +201,8 @@ boundary.left.solids.particles = {{ velocity = {speed!r}, temperature = 300.0 }}
     )
     found = run(load(path))
     # six points inside for a stay as short as Fo = 0.3, 400 cells
-    assert (found.qoi["T_fluid_out_K"] - 300) / 100 == pytest.approx(
-        row["gas_out"], abs=2e-5
-    )
-    assert (found.qoi["T_solid_out_K"] - 300) / 100 == pytest.approx(
+    assert (found.qoi["T_fluid_out_K"] - 300) / 100 == approx(row["gas_out"], abs=2e-5)
+    assert (found.qoi["T_solid_out_K"] - 300) / 100 == approx(
         row["solid_out_mean"], abs=2e-5
     )
     assert found.profiles["T_surface [K]"].shape == found.profiles["T_solid [K]"].shape
@@ -221,7 +220,7 @@ boundary.left.solids.particles = {{ velocity = {speed!r}, temperature = 300.0 }}
     )
     assert (
         corrected.qoi["T_fluid_out_K"] - found.qoi["T_fluid_out_K"]
-    ) / 100 == pytest.approx(row["ldf_error_gas"], abs=4e-5)
+    ) / 100 == approx(row["ldf_error_gas"], abs=4e-5)
 
 
 def inside_line(found):
@@ -343,7 +342,7 @@ def test_condensed_steps_are_those_of_the_whole_system(tmp_path, monkeypatch):
     assert whole.qoi["time_steps"] == condensed.qoi["time_steps"]
     for name in ("T_fluid [K]", "T_solid [K]", "T_surface [K]", "T_centre [K]"):
         # rounding, in K
-        assert condensed.profiles[name] == pytest.approx(whole.profiles[name], abs=1e-8)
+        assert condensed.profiles[name] == approx(whole.profiles[name], abs=1e-8)
 
 
 def test_properties_that_vary_keep_the_balance(tmp_path):
@@ -412,7 +411,7 @@ def test_restart_goes_on_with_the_inside(tmp_path):
             again.profiles["t [s]"] == again.profiles["t [s]"].max()
         ]
         # the steps differ from those of one run, within the tolerance of 0.1 K per step
-        assert now == pytest.approx(once.profiles[name][last], abs=0.2)
+        assert now == approx(once.profiles[name][last], abs=0.2)
 
 
 def test_solids_that_move_carry_their_inside(tmp_path):
@@ -432,7 +431,7 @@ boundary.left.solids.particles = {{ velocity = {speed!r}, temperature = 300.0 }}
     transient = run(
         load(bed(tmp_path, Bi=5.0, xi=5, inside=inside, more=late, cells=40))
     )
-    assert transient.qoi["T_solid_out_K"] == pytest.approx(
+    assert transient.qoi["T_solid_out_K"] == approx(
         steady.qoi["T_solid_out_K"], abs=0.05
     )
     assert_closed(transient, 1e-10, "energy")

@@ -8,6 +8,7 @@ symmetry) hold to round-off, taken as 1e-12 of the largest term.
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.special import expn
 
 import contbed as cb
@@ -61,10 +62,10 @@ def test_profile_of_black_plates():
     inside = (solution.points > 0.02) & (solution.points < 0.98)
     # next to the walls the slope is infinite; 16 directions see it from 0.02 mean free
     # paths
-    assert 0.25 * solution.G[inside] == pytest.approx(
+    assert 0.25 * solution.G[inside] == approx(
         Equilibrium(tau).profile(solution.points[inside]), abs=3e-5
     )
-    assert 1.0 - 0.25 * solution.G[0] == pytest.approx(Equilibrium(tau).slip, abs=1e-3)
+    assert 1.0 - 0.25 * solution.G[0] == approx(Equilibrium(tau).slip, abs=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -116,7 +117,7 @@ def test_observed_order_in_cells():
                     solution.G[::degree] - np.interp(at, reference.z, reference.G[::6])
                 ).max()
             )
-        assert np.log2(flux[-2] / flux[-1]) == pytest.approx(2 * degree, abs=0.35)
+        assert np.log2(flux[-2] / flux[-1]) == approx(2 * degree, abs=0.35)
         assert np.log2(field[-2] / field[-1]) > 2 * degree - 0.35
 
 
@@ -127,7 +128,7 @@ def test_one_ordinate_is_the_two_flux_model(tau, emissivity):
     z = np.linspace(0.0, tau, 60)
     plates = solve_ordinates(z, 0.3, 0.7, None, left, right, order=1)
     # G is linear and the elements hold it exactly
-    assert plates.q == pytest.approx(
+    assert plates.q == approx(
         1.5 * equilibrium_flux(tau, TWO_FLUX, emissivity), rel=1e-12
     )
     graded_z = graded(tau, 0.01)
@@ -142,8 +143,8 @@ def test_one_ordinate_is_the_two_flux_model(tau, emissivity):
         degree=5,
     )
     G, q = linear_slab(graded_z, tau, TWO_FLUX, (1.0, 2.0), (2.0, 0.5), 0.2, emissivity)
-    assert medium.G[::5] == pytest.approx(G, abs=1e-9)
-    assert medium.q == pytest.approx(q, abs=1e-9)
+    assert medium.G[::5] == approx(G, abs=1e-9)
+    assert medium.q == approx(q, abs=1e-9)
 
 
 @pytest.mark.parametrize("emissivity", [(0.3, 0.8), (0.01, 1.0), (1e-6, 1e-6)])
@@ -158,7 +159,7 @@ def test_gray_plates_are_exact_at_any_order(order, emissivity):
         z, 1.0, 0.0, None, Wall(1.0, emissivity[0]), Wall(0.0, emissivity[1]), order
     ).q[0]
     # the walls' own balance has lost 1/e of the 16 digits
-    assert gray == pytest.approx(
+    assert gray == approx(
         gray_plates(black, emissivity), rel=1e-12 + 1e-14 / min(emissivity)
     )
 
@@ -180,9 +181,9 @@ def test_thick_limit():
     """
     for tau in (1e2, 1e3, 1e5):
         q = solve_ordinates(graded(tau), 0.5, 0.5, None, HOT, COLD).q[0]
-        assert q == pytest.approx(4.0 / 3.0 / (tau + 1.420892), rel=2e-5)
+        assert q == approx(4.0 / 3.0 / (tau + 1.420892), rel=2e-5)
     emitted = solve_ordinates(graded(400.0), 0.5, 0.5, 0.5, COLD, COLD, order=8).q[-1]
-    assert emitted == pytest.approx(half_space_emittance(0.5), rel=1e-5)
+    assert emitted == approx(half_space_emittance(0.5), rel=1e-5)
 
 
 def test_thin_limit():
@@ -190,9 +191,9 @@ def test_thin_limit():
     z = np.linspace(0.0, 1.0, 31)
     for tau in (1e-3, 1e-6, 1e-9):
         emitting = solve_ordinates(z, tau, 0.0, tau, COLD, COLD)
-        assert emitting.q[-1] == pytest.approx(2.0 * tau, rel=6.0 * tau + 1e-7)
-        assert emitting.q[0] == pytest.approx(-emitting.q[-1], rel=1e-10)
-        assert solve_ordinates(z, tau, 0.0, None, HOT, COLD).q == pytest.approx(
+        assert emitting.q[-1] == approx(2.0 * tau, rel=6.0 * tau + 1e-7)
+        assert emitting.q[0] == approx(-emitting.q[-1], rel=1e-10)
+        assert solve_ordinates(z, tau, 0.0, None, HOT, COLD).q == approx(
             1.0 - tau, abs=4.0 * tau**2 + 1e-13
         )
     with pytest.raises(ConvergenceError, match="optical depth above 1e-12"):
@@ -211,12 +212,8 @@ def test_balance_of_each_cell():
     dz = np.diff(z)
     G = (solution.G[:-1:2] + 4.0 * solution.G[1::2] + solution.G[2::2]) / 6.0
     gain = dz * (2.0 * (e[:-1] + e[1:]) - Ka * G)
-    assert np.diff(solution.q) == pytest.approx(
-        gain, abs=1e-12 * np.abs(dz * Ka * G).max()
-    )
-    assert solution.q[-1] - solution.q[0] == pytest.approx(
-        gain.sum(), rel=1e-12, abs=1e-12
-    )
+    assert np.diff(solution.q) == approx(gain, abs=1e-12 * np.abs(dz * Ka * G).max())
+    assert solution.q[-1] - solution.q[0] == approx(gain.sum(), rel=1e-12, abs=1e-12)
     # walls: J = e E + (1 - e) (incoming), with the incoming flux from the intensities
     # themselves
     for wall, leaving, incoming in (
@@ -225,21 +222,19 @@ def test_balance_of_each_cell():
     ):
         flux = 2.0 * np.pi * solution.weight * solution.mu @ incoming
         radiosity = wall.emissivity * wall.power + (1.0 - wall.emissivity) * flux
-        assert np.pi * leaving == pytest.approx(radiosity, rel=1e-12)
+        assert np.pi * leaving == approx(radiosity, rel=1e-12)
 
 
 def test_intensities_and_moments():
     solution = solve_ordinates(graded(2.0), 0.4, 0.6, 0.4 * 3.0, Wall(2.0), COLD)
     both, net = solution.I_plus + solution.I_minus, solution.I_plus - solution.I_minus
-    assert solution.G[::2] == pytest.approx(
-        2.0 * np.pi * solution.weight @ both, rel=1e-13
-    )
-    assert solution.q == pytest.approx(
+    assert solution.G[::2] == approx(2.0 * np.pi * solution.weight @ both, rel=1e-13)
+    assert solution.q == approx(
         2.0 * np.pi * (solution.weight * solution.mu) @ net, abs=1e-13
     )
     pure = solve_ordinates(graded(2.0, 0.001), 1.0, 0.0, 3.0, Wall(2.0), COLD, degree=4)
     beam = 3.0 - np.exp(-pure.z / pure.mu[:, None])
-    assert np.pi * pure.I_plus == pytest.approx(beam, abs=1e-9)
+    assert np.pi * pure.I_plus == approx(beam, abs=1e-9)
 
 
 def test_response():
@@ -250,13 +245,13 @@ def test_response():
     bed = Ordinates(z, lambda z: 0.5 + 0.2 * z, 0.8, Wall(1.5, 0.7), COLD)
     R, G0 = bed.response()
     e = 1.0 + np.cos(bed.points)
-    assert R @ e + G0 == pytest.approx(bed.solve(e).G, rel=1e-12)
+    assert R @ e + G0 == approx(bed.solve(e).G, rel=1e-12)
     exchange = bed.mass_matrix() @ R
-    assert exchange == pytest.approx(exchange.T, abs=1e-14)
+    assert exchange == approx(exchange.T, abs=1e-14)
     solution = bed.solve(e)
     absorbed = bed.mass_matrix(lambda z: 0.5 + 0.2 * z) @ solution.G
     emitted = 4.0 * (bed.mass_matrix() @ e)
-    assert (emitted - absorbed).sum() == pytest.approx(
+    assert (emitted - absorbed).sum() == approx(
         solution.q[-1] - solution.q[0], rel=1e-12
     )
 
@@ -272,7 +267,7 @@ def test_walls_exchange_alike():
     )
     one = solve_ordinates(z, Ka, Ks, 0.0, Wall(1.0, 0.3), Wall(0.0, 0.8)).q[-1]
     other = solve_ordinates(z, Ka, Ks, 0.0, Wall(0.0, 0.3), Wall(1.0, 0.8)).q[0]
-    assert one == pytest.approx(-other, rel=1e-12)
+    assert one == approx(-other, rel=1e-12)
 
 
 def test_ways_to_give_coefficients():
@@ -366,7 +361,7 @@ def test_the_number_of_ordinates_follows_the_error(tau):
     estimate = result.qoi["estimated_error_angles"]
     assert np.abs(result.profiles["G [W/m2]"] - G).max() <= 1.2 * estimate * G.max()
     flux = 2.0 * black * (0.5 - expn(3, tau))
-    assert -result.qoi["heat_left_W"] == pytest.approx(flux, rel=1.2 * estimate)
+    assert -result.qoi["heat_left_W"] == approx(flux, rel=1.2 * estimate)
     assert (estimate <= 1e-4) == (not result.warnings)
     assert result.qoi["ordinates"] in (8, 16, 32, 64)
     given = cb.run(

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 from moving_beds import moving
+from numpy.testing import assert_allclose
+from pytest import approx
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
@@ -73,8 +75,8 @@ def test_constant_properties_give_ergun(velocity):
     """The profile is a line, so the trapezoidal rule is exact: 1e-12."""
     result = cb.run(from_dict(bed(CONSTANT, velocity)))
     wanted = pressure_gradient_ergun(u=U, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2)
-    assert result.qoi["pressure_drop_Pa"] == pytest.approx(wanted, rel=1e-12)
-    assert result.qoi["residence_time_s"] == pytest.approx(EPS / U, rel=1e-12)
+    assert result.qoi["pressure_drop_Pa"] == approx(wanted, rel=1e-12)
+    assert result.qoi["residence_time_s"] == approx(EPS / U, rel=1e-12)
     p = result.profiles["p [Pa]"]
     assert p[-1 if velocity > 0 else 0] == 0.0 and p.min() >= 0.0
 
@@ -114,9 +116,9 @@ def test_rods_resist_by_six_volumes_over_their_surface(
     wanted = 1.8e-5 * U / K + c_F * density * U**2 / K**0.5
     if permeability == "ergun":
         viscous = 150 * 1.8e-5 * (1 - EPS) ** 2 / EPS**3 * U / diameter**2
-        assert wanted == pytest.approx(viscous + inertia / diameter, rel=1e-12)
+        assert wanted == approx(viscous + inertia / diameter, rel=1e-12)
     found = result.qoi["pressure_drop_Pa"]
-    assert found == pytest.approx(wanted, rel=0.01 if species else 1e-12)
+    assert found == approx(wanted, rel=0.01 if species else 1e-12)
 
 
 @pytest.mark.parametrize(
@@ -145,7 +147,7 @@ def test_without_heat_properties_are_those_at_the_inlet(
         gas = {**gas, "T_range": [283.15, 293.15]}
     found = cb.run(from_dict(cold(gas, velocity=U, temperature=temperature)))
     wanted = pressure_gradient_ergun(u=U, d_p=D, eps=EPS, mu=viscosity, rho=density)
-    assert found.qoi["pressure_drop_Pa"] == pytest.approx(wanted, rel=0.01)
+    assert found.qoi["pressure_drop_Pa"] == approx(wanted, rel=0.01)
     refused(
         r"boundary\.left\.gas\.temperature: is missing: without \[heat\]",
         from_dict,
@@ -177,10 +179,10 @@ def test_profiles_lie_along_the_flow(mesh, axis):
         values["output"] = {"positions": [0.0, 0.3, 0.95, 0.98, 1.0]}
     wanted, found = (cb.run(from_dict(values)) for values in (line, upright))
     for key in ("pressure_drop_Pa", "T_fluid_out_K", "residence_time_s"):
-        assert found.qoi[key] == pytest.approx(wanted.qoi[key], rel=1e-9)
+        assert found.qoi[key] == approx(wanted.qoi[key], rel=1e-9)
     assert found.profiles[f"{axis} [m]"].tolist() == wanted.profiles["x [m]"].tolist()
     for name in ("T_fluid [K]", "T_solid [K]", "p [Pa]"):
-        np.testing.assert_allclose(
+        assert_allclose(
             found.profiles[name], wanted.profiles[name], rtol=1e-6, atol=1e-9
         )
 
@@ -207,10 +209,10 @@ def test_the_speed_across_the_bed_counts(solid):
         / speed
     )
     result = cb.run(from_dict(values))
-    assert result.qoi["pressure_drop_Pa"] == pytest.approx(wanted, rel=1e-12)
+    assert result.qoi["pressure_drop_Pa"] == approx(wanted, rel=1e-12)
     # what the pores hold over what enters through both sides: 0.2 m of 0.1 m/s and 1 m
     # of 0.4 m/s
-    assert result.qoi["residence_time_s"] == pytest.approx(
+    assert result.qoi["residence_time_s"] == approx(
         EPS * 0.2 / (0.2 * 0.1 + 1.0 * 0.4), rel=1e-12
     )
 
@@ -237,9 +239,7 @@ def test_a_resting_fluid_in_a_moving_bed_has_no_pressure_of_its_own_drag():
         CONSTANT,
         boundary={"left": {"gas": streams[0], "solids": {"particles": streams[1]}}},
     )
-    assert cb.run(from_dict(values)).qoi["pressure_drop_Pa"] == pytest.approx(
-        0.0, abs=1e-12
-    )
+    assert cb.run(from_dict(values)).qoi["pressure_drop_Pa"] == approx(0.0, abs=1e-12)
 
 
 def test_steam_that_is_heated_speeds_up():
@@ -256,10 +256,8 @@ def test_steam_that_is_heated_speeds_up():
     fluid = result.plan.medium.fluid
     flux = U * float(fluid.density(433.0))
     rho_u = result.profiles["u [m/s]"] * result.profiles["rho_fluid [kg/m3]"]
-    np.testing.assert_allclose(rho_u, flux, rtol=1e-13)
-    np.testing.assert_allclose(
-        result.profiles["rho_fluid [kg/m3]"], fluid.density(T), rtol=1e-13
-    )
+    assert_allclose(rho_u, flux, rtol=1e-13)
+    assert_allclose(result.profiles["rho_fluid [kg/m3]"], fluid.density(T), rtol=1e-13)
 
     def gradient(place):
         at = float(np.interp(place, x, T))
@@ -276,7 +274,7 @@ def test_steam_that_is_heated_speeds_up():
         / EPS**2
         * (1.0 / float(fluid.density(T[-1])) - 1.0 / float(fluid.density(T[0])))
     )
-    assert result.qoi["pressure_drop_Pa"] == pytest.approx(drag + expansion, rel=1e-4)
+    assert result.qoi["pressure_drop_Pa"] == approx(drag + expansion, rel=1e-4)
     at_inlet = pressure_gradient_ergun(
         u=U,
         d_p=D,
@@ -290,7 +288,7 @@ def test_steam_that_is_heated_speeds_up():
 def test_few_positions_do_not_change_the_drop():
     whole = cb.run(from_dict(bed(STEAM))).qoi["pressure_drop_Pa"]
     few = cb.run(from_dict(bed(STEAM, output={"positions": [0.2, 0.7]})))
-    assert few.qoi["pressure_drop_Pa"] == pytest.approx(whole, rel=1e-12)
+    assert few.qoi["pressure_drop_Pa"] == approx(whole, rel=1e-12)
     assert len(few.profiles["p [Pa]"]) == 2
 
 
@@ -310,7 +308,7 @@ def test_walls_report_the_pressure_of_the_fluid():
     values["boundary"] |= sides
     result = cb.run(from_dict(values))
     wanted = pressure_gradient_ergun(u=U, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2)
-    assert result.qoi["pressure_drop_Pa"] == pytest.approx(wanted, rel=0.03)
+    assert result.qoi["pressure_drop_Pa"] == approx(wanted, rel=0.03)
 
 
 def test_pressure_between_walls_follows_the_temperature():
@@ -334,7 +332,7 @@ def test_pressure_between_walls_follows_the_temperature():
     set_keys(values, 'boundary.top = { type = "no_slip" }')
     set_keys(values, 'boundary.bottom = { type = "no_slip" }')
     walls = cb.run(from_dict(values))
-    assert walls.qoi["pressure_drop_Pa"] == pytest.approx(
+    assert walls.qoi["pressure_drop_Pa"] == approx(
         plug.qoi["pressure_drop_Pa"], rel=0.03
     )
     at_inlet = pressure_gradient_ergun(
@@ -393,8 +391,8 @@ def test_uniform_local_properties_are_those_of_another_fluid():
         [12, 8], walls, constants(2.0, 1.0), (0.3, 0.0), (lambda x: 2.0, lambda x: 3e-3)
     )
     other = channel([12, 8], walls, constants(1.0, 3e-3), (0.6, 0.0))
-    np.testing.assert_allclose(local.expanded, other.velocity, atol=1e-9)
-    np.testing.assert_allclose(
+    assert_allclose(local.expanded, other.velocity, atol=1e-9)
+    assert_allclose(
         local.pressure,
         other.pressure,
         rtol=1e-9,

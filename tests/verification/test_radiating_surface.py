@@ -5,6 +5,7 @@ phase.
 from __future__ import annotations
 
 import pytest
+from pytest import approx
 from scipy.optimize import brentq
 
 import contbed as cb
@@ -101,12 +102,12 @@ def test_conduction_to_a_radiating_end_is_exact(name):
     )
     result = cb.run(from_dict(scene(mesh, sides)))
     T = result.profiles["T_solid [K]"]
-    assert T[-1] == pytest.approx(end, rel=1e-9)
-    assert T[len(T) // 2] == pytest.approx(
+    assert T[-1] == approx(end, rel=1e-9)
+    assert T[len(T) // 2] == approx(
         HOT + (end - HOT) * next(iter(result.profiles.values()))[len(T) // 2] / LENGTH,
         rel=1e-9,
     )
-    assert result.qoi[f"heat_{sides[1]}_W"] == pytest.approx(
+    assert result.qoi[f"heat_{sides[1]}_W"] == approx(
         -section * k * (HOT - end) / LENGTH, rel=1e-8
     )
     assert_closed(result, 1e-10, "energy")
@@ -115,7 +116,7 @@ def test_conduction_to_a_radiating_end_is_exact(name):
 def test_small_emissivity_is_adiabatic():
     mesh, sides, _ = MESHES["line"]
     result = cb.run(from_dict(scene(mesh, sides, emissivity=1e-9)))
-    assert result.profiles["T_solid [K]"] == pytest.approx(HOT, rel=1e-6)
+    assert result.profiles["T_solid [K]"] == approx(HOT, rel=1e-6)
 
 
 @each_case(__file__, "what_does_not_fit_is_refused")

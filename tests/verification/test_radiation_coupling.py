@@ -11,6 +11,8 @@ import marching
 import numpy as np
 import pytest
 from moving_beds import moving, started
+from numpy.testing import assert_allclose
+from pytest import approx
 from test_balance import EQUAL, MESHES, SIDES, SOLID, brinkman, closed, ends, run, walls
 from test_balance import scene as bed
 
@@ -109,9 +111,7 @@ def test_without_exchange_it_is_the_medium_alone(level, tau, N):
     flux = conduction_diffusion(
         tau, N, 0.5, 0.25 if level == "two_flux" else 1 / 3
     ).total
-    assert result.qoi["heat_left_W"] / (SIGMA * 1000.0**4) == pytest.approx(
-        flux, rel=1e-7
-    )
+    assert result.qoi["heat_left_W"] / (SIGMA * 1000.0**4) == approx(flux, rel=1e-7)
     alone = {
         "mesh": values["mesh"],
         "boundary": {
@@ -124,14 +124,12 @@ def test_without_exchange_it_is_the_medium_alone(level, tau, N):
         },
     }
     reference = run(alone)
-    assert result.qoi["heat_left_W"] == pytest.approx(
-        reference.qoi["heat_left_W"], rel=1e-7
-    )
+    assert result.qoi["heat_left_W"] == approx(reference.qoi["heat_left_W"], rel=1e-7)
     x = np.linspace(0.0, 1.0, 23)[None]
     both = ("T_solid", "G")
     # the quadrature of T^4 differs, [radiation] alone takes two orders more: a few
     # times the error of the cells
-    np.testing.assert_allclose(
+    assert_allclose(
         values_at(result, x, both), values_at(reference, x, both), rtol=1e-7
     )
 
@@ -150,7 +148,7 @@ def test_thick_beds_tend_to_the_rosseland_conductivity():
             thick["boundary"][side].pop("radiation")
         limit = run(thick).qoi["heat_left_W"]
         errors.append(abs(flux / limit - 1.0))
-    assert observed_order(errors, sizes) == pytest.approx(1.0, abs=0.1)
+    assert observed_order(errors, sizes) == approx(1.0, abs=0.1)
 
 
 @pytest.mark.parametrize("mesh", ["line", "triangles", "axisymmetric", "box"])
@@ -172,8 +170,8 @@ def test_a_closed_hot_bed_stays_uniform(mesh, time):
         values |= {"time": time, "initial": started(HOT, HOT)}
     result = run(values)
     for name in ("T_fluid", "T_solid"):
-        np.testing.assert_allclose(result.nodal[name][1], HOT, rtol=0, atol=2 * EQUAL)
-    np.testing.assert_allclose(result.nodal["G"][1], 4.0 * SIGMA * HOT**4, rtol=1e-11)
+        assert_allclose(result.nodal[name][1], HOT, rtol=0, atol=2 * EQUAL)
+    assert_allclose(result.nodal["G"][1], 4.0 * SIGMA * HOT**4, rtol=1e-11)
 
 
 # balances
@@ -216,7 +214,7 @@ def test_balances_with_computed_flow(mesh):
         uniform["boundary"][name]["radiation"] = wall(HOT)
     still = run(uniform)
     for name in ("T_fluid", "T_solid"):
-        np.testing.assert_allclose(still.nodal[name][1], HOT, rtol=0, atol=2 * EQUAL)
+        assert_allclose(still.nodal[name][1], HOT, rtol=0, atol=2 * EQUAL)
 
 
 SPECIES: dict[str, dict[str, Any]] = scene_of(
@@ -312,9 +310,7 @@ def test_species_of_one_temperature_are_one_species():
     one = run(radiating(radiation={}, solids=free))
     other = run(radiating(radiation=direct, solids=bare))
     x = np.linspace(0.0, 1.0, 23)[None]
-    np.testing.assert_allclose(
-        values_at(one, x), values_at(other, x), rtol=0, atol=EQUAL
-    )
+    assert_allclose(values_at(one, x), values_at(other, x), rtol=0, atol=EQUAL)
 
 
 # symmetry
@@ -326,11 +322,9 @@ def test_mirrored_bed():
     there = run(values)
     swapped = {"left": values["boundary"]["right"], "right": values["boundary"]["left"]}
     back = run({**values, "boundary": swapped})
-    np.testing.assert_allclose(
-        values_at(there, x), values_at(back, 1.0 - x), rtol=0, atol=EQUAL
-    )
+    assert_allclose(values_at(there, x), values_at(back, 1.0 - x), rtol=0, atol=EQUAL)
     G = [values_at(result, at, ("G",)) for result, at in ((there, x), (back, 1.0 - x))]
-    np.testing.assert_allclose(*G, rtol=1e-11)
+    assert_allclose(*G, rtol=1e-11)
 
 
 def test_the_axes_of_a_box_are_alike():
@@ -361,7 +355,7 @@ def test_the_axes_of_a_box_are_alike():
         result = closed(run({**radiating(), "mesh": mesh, "boundary": boundary}))
         found.append(values_at(result, np.roll(points, axis, axis=0)))
     for other in found[1:]:
-        np.testing.assert_allclose(other, found[0], rtol=0, atol=EQUAL)
+        assert_allclose(other, found[0], rtol=0, atol=EQUAL)
 
 
 def test_one_dimension_stands_for_two_and_three():
@@ -380,7 +374,7 @@ def test_one_dimension_stands_for_two_and_three():
         result = closed(run({**values, "mesh": {**MESHES[mesh], "cells": cells}}))
         across = [np.full_like(x, 0.1)] * (len(cells) - 1)
         at = np.array([*across, x] if mesh == "axisymmetric" else [x, *across])
-        np.testing.assert_allclose(values_at(result, at), reference, rtol=0, atol=EQUAL)
+        assert_allclose(values_at(result, at), reference, rtol=0, atol=EQUAL)
 
 
 # temperatures far apart
@@ -545,7 +539,7 @@ def test_wall_fluxes_of_a_thick_bed(motion, albedo):
     """400 mean free paths: 1e-5 of the flux at each wall on the automatic mesh."""
     values = furnace(400.0, albedo, motion, 1500.0, 300.0)
     fine = {**values, "solver": {"tolerance": 1e-8, "degree": 3}}
-    np.testing.assert_allclose(radiative_heat(values), radiative_heat(fine), rtol=1e-5)
+    assert_allclose(radiative_heat(values), radiative_heat(fine), rtol=1e-5)
 
 
 @pytest.mark.slow
@@ -562,7 +556,7 @@ def test_wall_fluxes_of_a_thick_bed_in_the_plane(motion):
     fine = radiative_heat(
         {**values, "mesh": {**mesh, "cells": [72, 52]}, "solver": {"degree": 3}}
     )
-    np.testing.assert_allclose(found, fine, rtol=0, atol=1e-5 * np.abs(fine).max())
+    assert_allclose(found, fine, rtol=0, atol=1e-5 * np.abs(fine).max())
 
 
 # steps in time
@@ -618,7 +612,7 @@ def test_steps_are_of_second_order():
     """Temperatures and G by successive differences, order 2 to 0.1."""
     coarse, middle, fine = (last(heating(), steps) for steps in (32, 64, 128))
     differences = [np.abs(coarse - middle).max(), np.abs(middle - fine).max()]
-    assert observed_order(differences, [1.0, 0.5])[0] == pytest.approx(2.0, abs=0.1)
+    assert observed_order(differences, [1.0, 0.5])[0] == approx(2.0, abs=0.1)
 
 
 @pytest.mark.slow
@@ -640,9 +634,7 @@ def test_the_end_of_a_long_run_is_the_steady_state():
     slow = run(heating(end=1e8, tolerance=1e-3))
     steady = run({key: table for key, table in heating().items() if key != "time"})
     for name, rtol in (("T_fluid", 1e-8), ("T_solid", 1e-8), ("G", 1e-7)):
-        np.testing.assert_allclose(
-            slow.nodal[name][1], steady.nodal[name][1], rtol=rtol
-        )
+        assert_allclose(slow.nodal[name][1], steady.nodal[name][1], rtol=rtol)
 
 
 def test_a_restart_repeats_the_same_numbers(tmp_path):

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.closures.optics import SIGMA
@@ -86,9 +87,7 @@ def test_wall_flux_of_thick_and_thin_beds(tau, albedo):
             ).q[-1]
         else:
             expected = isothermal_slab(tau, DIFFUSION[level], albedo)
-        assert -result.qoi["heat_right_W"] == pytest.approx(
-            expected * SIGMA * 1e12, rel=1e-6
-        )
+        assert -result.qoi["heat_right_W"] == approx(expected * SIGMA * 1e12, rel=1e-6)
 
 
 @pytest.mark.parametrize("level", ["two_flux", "p1"])
@@ -100,7 +99,7 @@ def test_conducting_beds(level, tau, N):
         slab(level, tau, wall(1000.0), wall(500.0), conductivity=conductivity(N, tau))
     )
     expected = conduction_diffusion(tau, N, 0.5, DIFFUSION[level]).total
-    assert result.qoi["flux_over_emissive_power"] == pytest.approx(expected, rel=1e-8)
+    assert result.qoi["flux_over_emissive_power"] == approx(expected, rel=1e-8)
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -119,9 +118,7 @@ def test_temperatures_a_factor_of_ten_apart(level):
             )
         )
         T = result.profiles["T_solid [K]"]
-        assert (
-            T[0] == 2500.0 and T[-1] == pytest.approx(250.0) and np.all(np.diff(T) < 0)
-        )
+        assert T[0] == 2500.0 and T[-1] == approx(250.0) and np.all(np.diff(T) < 0)
 
 
 # limits
@@ -134,7 +131,7 @@ def test_transparent_medium(level, emissivity):
         slab(level, 1e-5, wall(1000.0, emissivity[0]), wall(500.0, emissivity[1]))
     )
     expected = 1.0 / (1.0 / emissivity[0] + 1.0 / emissivity[1] - 1.0)
-    assert result.qoi["flux_dimensionless"] == pytest.approx(expected, rel=2e-5)
+    assert result.qoi["flux_dimensionless"] == approx(expected, rel=2e-5)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
@@ -143,13 +140,13 @@ def test_degrees(level, degree):
     values = slab(level, 2.0, wall(1000.0), wall(600.0), 0.2, conductivity=3.0)
     expected = run(values | {"solver": {"degree": 3, "tolerance": 1e-7}})
     found = run(values | {"solver": {"degree": degree}})
-    assert found.qoi["heat_left_W"] == pytest.approx(
+    assert found.qoi["heat_left_W"] == approx(
         expected.qoi["heat_left_W"], rel=1e-5 if degree == 1 else 1e-6
     )
     at = expected.profiles["x [m]"]
     for name in ("T_solid [K]", "G [W/m2]"):
         got = np.interp(at, found.profiles["x [m]"], found.profiles[name])
-        assert got == pytest.approx(expected.profiles[name], rel=2e-4)
+        assert got == approx(expected.profiles[name], rel=2e-4)
 
 
 def test_species_of_given_temperature_among_others():
@@ -176,7 +173,7 @@ def test_species_of_given_temperature_among_others():
             "mesh": values["mesh"]
         }
         direct["radiation"] |= {"absorption": 1.5, "scattering": 1.5}
-        assert mixed == pytest.approx(run(direct).qoi["heat_left_W"], rel=1e-6)
+        assert mixed == approx(run(direct).qoi["heat_left_W"], rel=1e-6)
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -193,10 +190,8 @@ def test_species_have_the_temperature_of_the_medium_unless_they_have_their_own(l
     one = slab(level, 1.0, COLD, wall(900.0)) | bed | {"solids": {"sand": sand}}
     two = slab(level, 1.0, COLD, wall(900.0)) | bed | {"solids": parts}
     cut = run(two)
-    assert cut.profiles["T_solid [K]"] == pytest.approx(1200.0, rel=1e-12)
-    assert cut.qoi["heat_left_W"] == pytest.approx(
-        run(one).qoi["heat_left_W"], rel=1e-12
-    )
+    assert cut.profiles["T_solid [K]"] == approx(1200.0, rel=1e-12)
+    assert cut.qoi["heat_left_W"] == approx(run(one).qoi["heat_left_W"], rel=1e-12)
     parts["a"]["temperature"] = 1300.0
     closed = (
         slab(level, 1.0, None, None)
@@ -204,8 +199,8 @@ def test_species_have_the_temperature_of_the_medium_unless_they_have_their_own(l
         | {"solids": parts, "radiation": {"level": level}}
     )
     found = run(closed).profiles
-    assert found["T_solid [K]"] == pytest.approx(1300.0, rel=1e-9)
-    assert found["G [W/m2]"] == pytest.approx(4.0 * SIGMA * 1300.0**4, rel=1e-9)
+    assert found["T_solid [K]"] == approx(1300.0, rel=1e-9)
+    assert found["G [W/m2]"] == approx(4.0 * SIGMA * 1300.0**4, rel=1e-9)
 
 
 @pytest.mark.parametrize("level", ["p1", "ordinates"])
@@ -214,7 +209,7 @@ def test_anisotropy_is_the_transport_coefficient(level):
     same = slab(level, 4.0, wall(1000.0), wall(500.0), 0.5)
     same["radiation"]["scattering"] = 2.0 * 1.4
     fluxes = [run(values).qoi["flux_dimensionless"] for values in (given, same)]
-    assert fluxes[0] == pytest.approx(fluxes[1], rel=1e-6)
+    assert fluxes[0] == approx(fluxes[1], rel=1e-6)
 
 
 # symmetry and reciprocity
@@ -237,15 +232,13 @@ def test_mirrored(level, medium):
     there, back = (
         run(slab(level, 3.0, *pair, 0.3, **medium)).qoi for pair in (ends, ends[::-1])
     )
-    assert back["heat_left_W"] == pytest.approx(there["heat_right_W"], rel=1e-9)
-    assert back["heat_right_W"] == pytest.approx(there["heat_left_W"], rel=1e-9)
+    assert back["heat_left_W"] == approx(there["heat_right_W"], rel=1e-9)
+    assert back["heat_right_W"] == approx(there["heat_left_W"], rel=1e-9)
     if "temperature" in medium:
         whole = run(slab(level, 3.0, ends[0], ends[0], 0.3, **medium)).qoi
         half = slab(level, 3.0, ends[0], None, 0.3, **medium)
         half["mesh"] = {"type": "line", "length": 0.5}
-        assert run(half).qoi["heat_left_W"] == pytest.approx(
-            whole["heat_left_W"], rel=1e-7
-        )
+        assert run(half).qoi["heat_left_W"] == approx(whole["heat_left_W"], rel=1e-7)
 
 
 def test_walls_of_a_rectangle_exchange_alike():
@@ -271,7 +264,7 @@ def test_walls_of_a_rectangle_exchange_alike():
             f"heat_{cold}_W"
         ]
 
-    assert through("left", "top") == pytest.approx(through("top", "left"), rel=1e-11)
+    assert through("left", "top") == approx(through("top", "left"), rel=1e-11)
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -281,9 +274,9 @@ def test_isothermal_enclosure(level):
     profiles = cb.run(
         from_dict(values | {"solver": {"balance_tolerance": 2.0}})
     ).profiles
-    assert profiles["T_solid [K]"] == pytest.approx(900.0, rel=1e-12)
-    assert profiles["G [W/m2]"] == pytest.approx(4.0 * SIGMA * 900.0**4, rel=1e-11)
-    assert profiles["q_radiation [W/m2]"] == pytest.approx(0.0, abs=1e-5)
+    assert profiles["T_solid [K]"] == approx(900.0, rel=1e-12)
+    assert profiles["G [W/m2]"] == approx(4.0 * SIGMA * 900.0**4, rel=1e-11)
+    assert profiles["q_radiation [W/m2]"] == approx(0.0, abs=1e-5)
 
 
 # Rosseland
@@ -302,9 +295,7 @@ def test_a_conducting_medium_by_rosseland():
             )
         )
         expected = (4.0 * N * 0.5 + 4.0 / 3.0 * (1.0 - 0.5**4)) / tau
-        assert result.qoi["flux_over_emissive_power"] == pytest.approx(
-            expected, rel=1e-9
-        )
+        assert result.qoi["flux_over_emissive_power"] == approx(expected, rel=1e-9)
 
 
 def test_every_level_tends_to_rosseland():
@@ -319,8 +310,8 @@ def test_every_level_tends_to_rosseland():
         ]
         errors.append(np.abs(np.array(fluxes[1:]) / fluxes[0] - 1.0))
     assert np.all(np.array(errors[-1]) < 1.5e-3)
-    assert np.log2(errors[0] / errors[1]) / 2 == pytest.approx(1.0, abs=0.15)
-    assert np.log2(errors[1] / errors[2]) / 2 == pytest.approx(1.0, abs=0.15)
+    assert np.log2(errors[0] / errors[1]) / 2 == approx(1.0, abs=0.15)
+    assert np.log2(errors[1] / errors[2]) / 2 == approx(1.0, abs=0.15)
 
 
 @pytest.mark.parametrize("heated", [False, True], ids=["alone", "with heat"])
@@ -346,7 +337,7 @@ def test_thin_beds_by_rosseland_are_told(heated):
                 found["rosseland"].qoi["heat_left_W"] / found["p1"].qoi["heat_left_W"]
                 - 1.0
             )
-            assert stated == pytest.approx(error, rel=0.05)
+            assert stated == approx(error, rel=0.05)
 
 
 @pytest.mark.parametrize("level", ["p1", "two_flux"])
@@ -416,7 +407,7 @@ def test_estimate_of_rosseland_is_across_the_walls(sides, walls, tau):
     boundary = {name: {"radiation": wall(900.0, eps)} for name, eps in walls.items()}
     radiation = {"level": "p1", "absorption": 100.0, "conductivity": 1.0}
     scene = from_dict({"mesh": sides, "radiation": radiation, "boundary": boundary})
-    assert estimate(scene, scene.mesh) == pytest.approx(3.0 / (0.75 * tau), rel=1e-12)
+    assert estimate(scene, scene.mesh) == approx(3.0 / (0.75 * tau), rel=1e-12)
 
 
 @pytest.mark.parametrize(("factor", "level"), [(1.01, "rosseland"), (0.99, "p1")])
@@ -530,9 +521,7 @@ def test_equilibrium_by_every_level_at_any_albedo():
         for albedo in (0.0, 1.0 - 1e-9, 1.0):
             result = run(slab(level, 50.0, wall(1000.0, 0.7), wall(300.0, 0.2), albedo))
             expected = equilibrium_flux(50.0, D, (0.7, 0.2))
-            assert result.qoi["flux_dimensionless"] == pytest.approx(
-                expected, rel=1e-10
-            )
+            assert result.qoi["flux_dimensionless"] == approx(expected, rel=1e-10)
 
 
 @pytest.mark.parametrize(("shape", "unit"), [("line", "W/m2"), ("rectangle", "W/m")])
@@ -583,9 +572,7 @@ def test_very_thick_conducting_beds_tend_to_rosseland(level, tau, N):
         * {"p1": 1 / 3, "two_flux": 1 / 4}[level]
         / tau
     )
-    assert result.qoi["heat_left_W"] == pytest.approx(
-        500.0 * k + radiated, rel=5.0 / tau
-    )
+    assert result.qoi["heat_left_W"] == approx(500.0 * k + radiated, rel=5.0 / tau)
     assert len(result.history) < 10
 
 
@@ -629,9 +616,7 @@ def test_a_species_in_equilibrium_has_its_own_temperature(level):
     scene["solids"] = {"cold": dust | {"temperature": 300.0}, "free": dict(dust)}
     result = run(scene)
     T = result.profiles["T_solid [K]"]
-    assert T[len(T) // 2] == pytest.approx(
-        ((1500.0**4 + 1000.0**4) / 2.0) ** 0.25, rel=1e-3
-    )
+    assert T[len(T) // 2] == approx(((1500.0**4 + 1000.0**4) / 2.0) ** 0.25, rel=1e-3)
     np.testing.assert_allclose(
         4.0 * SIGMA * T**4, result.profiles["G [W/m2]"], rtol=1e-12
     )

@@ -9,6 +9,8 @@ import cantera as ct
 import numpy as np
 import pytest
 from moving_beds import started
+from numpy.testing import assert_allclose
+from pytest import approx
 from scipy.integrate import solve_ivp
 
 import contbed as cb
@@ -142,7 +144,7 @@ def test_ramp_of_prescribed_walls_is_exact(tmp_path):
     result = run(scene, tmp_path)
     for phase in ("fluid", "solid"):
         found = last(result, f"T_{phase} [K]")
-        np.testing.assert_allclose(
+        assert_allclose(
             found, exact(phase, last(result, "x [m]"), 1000.0), rtol=0, atol=1e-9
         )
     assert_closed(result, 1e-12, "energy")
@@ -187,9 +189,7 @@ def test_thin_bed_follows_what_its_wall_gives(kind):
         }
         expected = 300.0 + (500.0 * 400.0 + 1000.0 * 100.0) / content
     scene["time"] |= {"end": end, "tolerance": 1e-7}
-    assert last(run(scene), "T_solid [K]")[0] == pytest.approx(
-        expected, rel=0, abs=5e-3
-    )
+    assert last(run(scene), "T_solid [K]")[0] == approx(expected, rel=0, abs=5e-3)
 
 
 def test_series_with_equal_values_change_nothing():
@@ -206,13 +206,13 @@ def test_series_with_equal_values_change_nothing():
         "gas": {"velocity": velocity, "temperature": temperature}
     }
     series = run(scene)
-    np.testing.assert_allclose(
+    assert_allclose(
         last(series, "T_fluid [K]"),
         last(constant, "T_fluid [K]"),
         rtol=0,
         atol=3e-4 * 100.0,
     )
-    assert series.balances["energy"]["in"] == pytest.approx(
+    assert series.balances["energy"]["in"] == approx(
         constant.balances["energy"]["in"], rel=1e-5
     )
 
@@ -233,7 +233,7 @@ def test_reversal_is_symmetric():
     )
     for name in ("T_fluid [K]", "T_solid [K]"):
         a, b = (r.profiles[name].reshape(3, -1) for r in (result, other))
-        np.testing.assert_allclose(a, b[:, ::-1], rtol=0, atol=1e-8)
+        assert_allclose(a, b[:, ::-1], rtol=0, atol=1e-8)
 
 
 def test_charge_rest_and_discharge_against_method_of_lines():
@@ -294,7 +294,7 @@ def test_charge_rest_and_discharge_against_method_of_lines():
         ]
         x = result.profiles["x [m]"][np.isclose(result.profiles["t [s]"], end)]
         expected = np.interp(x, (np.arange(n) + 0.5) * dx, y[::2])
-        np.testing.assert_allclose(found[1:-1], expected[1:-1], rtol=0, atol=0.3)
+        assert_allclose(found[1:-1], expected[1:-1], rtol=0, atol=0.3)
 
 
 def test_jump_of_a_prescribed_wall_is_in_the_balance():
@@ -339,19 +339,15 @@ def test_what_a_step_does_not_see_of_a_series(period):
     """
     times = np.linspace(0.0, 10.0, 11)
     curved = Samples(times, np.column_stack([times**2, 2.0 * times]), "linear", period)
-    assert curved.kink(4.0) == pytest.approx([1.0, 0.0]) and np.all(
-        curved.kink(0.0) == np.inf
-    )
+    assert curved.kink(4.0) == approx([1.0, 0.0]) and np.all(curved.kink(0.0) == np.inf)
     # a parabola is seen by three stages at kinks, by two within (t - a)(b - t)
-    assert curved.unseen(1.0, 9.0, (0.0, 0.25, 1.0)) == pytest.approx(
-        [0.0, 0.0], abs=1e-12
-    )
-    assert curved.unseen(1.0, 9.0, (0.0, 1.0)) == pytest.approx([16.0, 0.0])
+    assert curved.unseen(1.0, 9.0, (0.0, 0.25, 1.0)) == approx([0.0, 0.0], abs=1e-12)
+    assert curved.unseen(1.0, 9.0, (0.0, 1.0)) == approx([16.0, 0.0])
     # no kink between
-    assert curved.unseen(1.0, 2.0, (0.0, 1.0)) == pytest.approx([0.0, 0.0])
+    assert curved.unseen(1.0, 2.0, (0.0, 1.0)) == approx([0.0, 0.0])
     if period is not None:
-        assert curved.kink(24.0) == pytest.approx([1.0, 0.0])
-        assert curved.unseen(21.0, 29.0, (0.0, 1.0)) == pytest.approx([16.0, 0.0])
+        assert curved.kink(24.0) == approx([1.0, 0.0])
+        assert curved.unseen(21.0, 29.0, (0.0, 1.0)) == approx([16.0, 0.0])
     spike = Schedule(
         {
             ("a",): curved,
@@ -383,9 +379,7 @@ def test_initial_profile_of_an_earlier_run(tmp_path):
     long = changed(first)
     long["time"] |= {"end": 1200.0}
     a, b = run(second, tmp_path), run(long)
-    np.testing.assert_allclose(
-        last(a, "T_solid [K]"), last(b, "T_solid [K]"), rtol=0, atol=2e-2
-    )
+    assert_allclose(last(a, "T_solid [K]"), last(b, "T_solid [K]"), rtol=0, atol=2e-2)
 
 
 @each_case(__file__, "bad_series")
@@ -499,13 +493,9 @@ def test_profiles_have_the_flow_of_their_time(tmp_path):
         (1500.0, -1e-3, 0.0, drop),
     ):
         for found in (result, again):
-            np.testing.assert_allclose(
-                found.profiles["u [m/s]"][t == time], velocity, rtol=1e-12
-            )
+            assert_allclose(found.profiles["u [m/s]"][t == time], velocity, rtol=1e-12)
             p = found.profiles["p [Pa]"][t == time]
-            np.testing.assert_allclose(
-                p[[0, -1]], [first, end], rtol=0, atol=1e-9 * drop
-            )
+            assert_allclose(p[[0, -1]], [first, end], rtol=0, atol=1e-9 * drop)
 
 
 @pytest.mark.parametrize("form", ["step", "linear"])
@@ -538,6 +528,6 @@ def test_mass_flux_of_a_gas_that_enters_hotter(form):
         states = [at(T) for T in np.linspace(300.0, 600.0, 1001)]
         fluxes = [0.5 * density * (enthalpy - h) for density, enthalpy in states]
         entered = 20.0 * float(np.mean(fluxes))
-    assert result.profiles["u [m/s]"][-5] == pytest.approx(0.5, rel=1e-3)
-    assert result.balances["energy"]["in"] == pytest.approx(entered, rel=0.01)
+    assert result.profiles["u [m/s]"][-5] == approx(0.5, rel=1e-3)
+    assert result.balances["energy"]["in"] == approx(entered, rel=0.01)
     assert_closed(result, 1e-12, "energy")

@@ -4,6 +4,8 @@ pressure drop of a bed without temperatures.
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from pytest import approx
 
 from contbed.loading import loads
 from contbed.runner import run
@@ -38,9 +40,9 @@ boundary.{table} = {{ coefficient = 10, ambient = 300 }}
     found = run(loads(text))
     flow, x = 1.2 * 1000 * 0.5, found.profiles["x [m]"]
     falls = 300.0 * np.exp(-10 * PERIMETER * x / flow)
-    np.testing.assert_allclose(found.profiles["T_fluid [K]"], 300 + falls, atol=1e-5)
+    assert_allclose(found.profiles["T_fluid [K]"], 300 + falls, atol=1e-5)
     lost = flow * (300.0 - falls[-1])
-    assert found.qoi["heat_wall_W"] == pytest.approx(-lost, rel=1e-8)
+    assert found.qoi["heat_wall_W"] == approx(-lost, rel=1e-8)
     assert_closed(found, 1e-11, "energy")
 
 
@@ -58,10 +60,10 @@ solids.s = { coefficient = 0.3, ambient = 300 }
     found = run(loads(text))
     m, x = np.sqrt(0.3 * PERIMETER / 2.0), found.profiles["x [m]"]
     T = 300.0 + 200.0 * np.cosh(m * (1.0 - x)) / np.cosh(m)
-    np.testing.assert_allclose(found.profiles["T_solid [K]"], T, atol=2e-4)
+    assert_allclose(found.profiles["T_solid [K]"], T, atol=2e-4)
     base = 2.0 * m * np.tanh(m) * 200.0
-    assert found.qoi["heat_left_W"] == pytest.approx(base, rel=1e-6)
-    assert found.qoi["heat_wall_W"] == pytest.approx(-base, rel=1e-6)
+    assert found.qoi["heat_left_W"] == approx(base, rel=1e-6)
+    assert found.qoi["heat_wall_W"] == approx(-base, rel=1e-6)
 
 
 def test_both_phases_of_a_bed_at_rest_cool_down():
@@ -82,7 +84,7 @@ time = {{ end = 60, times = [1, 10], tolerance = 1e-6 }}
         )
         for name, T in zip(("T_fluid", "T_solid"), wanted, strict=True):
             rows = found.profiles[f"{name} [K]"][found.profiles["t [s]"] == t]
-            np.testing.assert_allclose(rows, T, atol=2e-3, err_msg=f"{k} {name}")
+            assert_allclose(rows, T, atol=2e-3, err_msg=f"{k} {name}")
     assert_closed(found, 1e-10, "energy")
 
 
@@ -101,8 +103,8 @@ time = {{ end = 100, tolerance = 1e-6 }}
 """
     found = run(loads(text))
     T = 300.0 + rate * (100.0 - (1.0 - np.exp(-k * 100.0)) / k)
-    assert found.profiles["T_solid [K]"] == pytest.approx(T, abs=1e-3)
-    assert found.profiles["T_fluid [K]"] == pytest.approx(T, abs=1e-3)
+    assert found.profiles["T_solid [K]"] == approx(T, abs=1e-3)
+    assert found.profiles["T_fluid [K]"] == approx(T, abs=1e-3)
 
 
 @each_case(__file__, "mistakes")
@@ -131,11 +133,11 @@ boundary.{"left" if velocity > 0 else "right"}.gas.velocity = 2.0
 """
     found = run(loads(text))
     gradient = 1.8e-5 / 1e-8 * 2.0 + 0.6 * 1.2 / 1e-8**0.5 * 4.0
-    assert found.qoi["pressure_drop_Pa"] == pytest.approx(0.5 * gradient, rel=1e-13)
-    assert found.qoi["residence_time_s"] == pytest.approx(0.5 * 0.5 / 2.0, rel=1e-13)
+    assert found.qoi["pressure_drop_Pa"] == approx(0.5 * gradient, rel=1e-13)
+    assert found.qoi["residence_time_s"] == approx(0.5 * 0.5 / 2.0, rel=1e-13)
     x, p = found.profiles["x [m]"], found.profiles["p [Pa]"]
     left = 0.5 - x if velocity > 0 else x
-    np.testing.assert_allclose(p, gradient * left, rtol=1e-12, atol=1e-9)
+    assert_allclose(p, gradient * left, rtol=1e-12, atol=1e-9)
 
 
 def test_ergun_without_temperatures():
@@ -152,4 +154,4 @@ boundary.left.gas.velocity = 0.5
     found = run(loads(text)).qoi["pressure_drop_Pa"]
     viscous = 150 * 0.6**2 * 1.8e-5 * 0.5 / (0.4**3 * 0.003**2)
     inertial = 1.75 * 0.6 * 1.2 * 0.25 / (0.4**3 * 0.003)
-    assert found == pytest.approx(2.0 * (viscous + inertial), rel=1e-13)
+    assert found == approx(2.0 * (viscous + inertial), rel=1e-13)

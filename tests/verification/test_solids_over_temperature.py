@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pytest import approx
 from scipy.optimize import brentq
 from scipy.special import erf
 
@@ -76,7 +77,7 @@ def test_conduction_follows_kirchhoffs_transform(tmp_path, from_file):
             299.0,
             851.0,
         )
-        assert pytest.approx(exact, abs=2e-5) == T
+        assert approx(exact, abs=2e-5) == T
     flux = found.balances["energy"]
     assert abs(flux["relative_residual"]) < 1e-12
 
@@ -98,8 +99,8 @@ def test_a_store_that_melts_holds_the_latent_heat():
     found = cb.run(cb.load(scene_of(STORE, MELTING)))
     capacity = 790.0 + (np.array([350.0, 500.0]) - 293.15) * 210.0 / 280.0
     heat = 0.6 * 2500.0 * (capacity.mean() * 150.0 + 1e5) + 0.4 * 1000.0 * 150.0
-    assert found.qoi["storage_capacity_J"] == pytest.approx(0.2 * heat, rel=1e-12)
-    assert found.qoi["heat_stored_J"] == pytest.approx(0.2 * heat, rel=1e-3)
+    assert found.qoi["storage_capacity_J"] == approx(0.2 * heat, rel=1e-12)
+    assert found.qoi["heat_stored_J"] == approx(0.2 * heat, rel=1e-3)
     assert abs(found.balances["energy"]["relative_residual"]) < 1e-13
     assert not found.warnings
 
@@ -130,7 +131,7 @@ def test_front_of_melting_follows_stefan():
     found = cb.run(cb.load(scene_of(STORE, values)))
     middle, before, behind = found.profiles["T_solid [K]"][-3:]
     exact = hot - (hot - 400.0) * erf(0.5 * root) / erf(root)
-    assert middle == pytest.approx(exact, abs=0.02 * (hot - 400.0))
+    assert middle == approx(exact, abs=0.02 * (hot - 400.0))
     assert before > 400.0 > behind
 
 
@@ -180,11 +181,11 @@ def test_fronts_within_particles_are_warned_of():
 def test_density_is_that_at_which_the_bed_was_filled():
     table = {"temperatures": [283.15, 303.15, 800.0], "values": [2600, 2500, 2000]}
     values = ENDS | {"solids.rock.density": table}
-    assert cb.load(scene_of(STORE, values)).solid.density == pytest.approx(2550.0)
+    assert cb.load(scene_of(STORE, values)).solid.density == approx(2550.0)
     values["solids.rock.material_temperature"] = 800.0
     fixed = cb.load(scene_of(STORE, values)).solid
     assert fixed.density == 2000.0
-    assert fixed.conductivity == pytest.approx(2.0 - 0.2 * 226.85 / 300.0)
+    assert fixed.conductivity == approx(2.0 - 0.2 * 226.85 / 300.0)
 
 
 PACKAGE = Path(cb.__file__).parent
@@ -209,7 +210,7 @@ def test_bubbling_beds_take_tables():
     same = {"solids.sand.heat_capacity": level(1100.0)}
     table = cb.run(cb.load(template("bubbling_bed", same)))
     for name, value in number.qoi.items():
-        assert table.qoi[name] == pytest.approx(value, rel=1e-8), name
+        assert table.qoi[name] == approx(value, rel=1e-8), name
     risen = {"temperatures": [300.0, 700.0], "values": [800.0, 1300.0]}
     varies = {
         "solids.sand.heat_capacity": risen,
@@ -244,7 +245,7 @@ def test_a_particle_takes_up_the_integral_of_its_heat_capacity():
     exact = 0.5 * (800.0 + 1000.0) * 200.0 + 0.5 * (1000.0 + 1025.0) * 100.0
     mass = 2600.0 * np.pi / 6.0 * 0.02**3
     energy = found.balances["energy"]
-    assert energy["stored"] == pytest.approx(mass * exact, rel=1e-6)
+    assert energy["stored"] == approx(mass * exact, rel=1e-6)
     assert abs(energy["relative_residual"]) < 1e-12
 
 

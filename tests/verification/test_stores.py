@@ -3,7 +3,7 @@
 from math import erf, log
 
 import numpy as np
-import pytest
+from pytest import approx
 
 import contbed as cb
 from contbed.loading import loads
@@ -47,7 +47,7 @@ def test_what_a_store_takes_gives_loses_and_keeps_is_in_balance():
     assert q["heat_charged_J"] > q["heat_discharged_J"] > 0.0
     assert q["heat_lost_J"] > q["heat_lost_at_rest_J"] > 0.0
     kept = q["heat_charged_J"] - q["heat_discharged_J"] - q["heat_lost_J"]
-    assert kept == pytest.approx(q["heat_stored_J"], rel=1e-8)
+    assert kept == approx(q["heat_stored_J"], rel=1e-8)
     held = q["utilisation"] * q["storage_capacity_J"]
     assert q["heat_charged_J"] - q["heat_lost_J"] < held < q["heat_charged_J"]
 
@@ -56,9 +56,9 @@ def test_without_losses_the_efficiency_is_that_of_the_balance():
     q = results(CYCLE, "700.0")
     assert q["heat_lost_J"] == q["heat_lost_at_rest_J"] == 0.0
     expected = 1.0 - q["heat_stored_J"] / q["heat_charged_J"]
-    assert q["storage_efficiency"] == pytest.approx(expected, rel=1e-9)
+    assert q["storage_efficiency"] == approx(expected, rel=1e-9)
     content = EPS * FLUID + (1.0 - EPS) * SOLID
-    assert q["storage_capacity_J"] == pytest.approx(0.6 * content * 50.0, rel=1e-12)
+    assert q["storage_capacity_J"] == approx(0.6 * content * 50.0, rel=1e-12)
     assert 0.0 < q["exergy_efficiency"] < q["storage_efficiency"]
 
 
@@ -68,12 +68,12 @@ def test_a_stream_that_leaves_cold_leaves_its_whole_exergy():
     hot, cold = (
         capacity * (T - 290.0 - 290.0 * log(T / 290.0)) for T in (350.0, 300.0)
     )
-    assert q["exergy_charged_J"] == pytest.approx(200.0 * flow * (hot - cold), rel=1e-4)
-    assert q["heat_charged_J"] == pytest.approx(200.0 * flow * capacity * 50, rel=1e-6)
-    assert q["effectiveness_charge"] == pytest.approx(1.0, rel=1e-6)
+    assert q["exergy_charged_J"] == approx(200.0 * flow * (hot - cold), rel=1e-4)
+    assert q["heat_charged_J"] == approx(200.0 * flow * capacity * 50, rel=1e-6)
+    assert q["effectiveness_charge"] == approx(1.0, rel=1e-6)
     assert q["exergy_discharged_J"] == q["heat_discharged_J"] == 0.0
     used_share = q["heat_stored_J"] / q["storage_capacity_J"]
-    assert q["utilisation"] == pytest.approx(used_share, rel=1e-9)
+    assert q["utilisation"] == approx(used_share, rel=1e-9)
     assert "storage_efficiency" not in q and "exergy_efficiency" not in q
 
 
@@ -84,9 +84,9 @@ def test_a_restart_keeps_the_parts_before_it(tmp_path):
     ).qoi
     whole = cb.run(store(CYCLE, "700.0", "20.0")).qoi
     for name in ("heat_charged_J", "heat_discharged_J", "heat_lost_at_rest_J"):
-        assert again[name] == pytest.approx(whole[name], rel=1e-3)
+        assert again[name] == approx(whole[name], rel=1e-3)
     kept = again["heat_charged_J"] - again["heat_discharged_J"] - again["heat_lost_J"]
-    assert kept == pytest.approx(again["heat_stored_J"], rel=1e-8)
+    assert kept == approx(again["heat_stored_J"], rel=1e-8)
 
 
 def test_exergy_of_a_heat_capacity_that_grows_with_temperature():
@@ -104,7 +104,7 @@ def test_thermocline_of_an_error_function():
     x = np.linspace(0.0, 1.0, 2001)
     T = np.array([400.0 - 50.0 * (1.0 + erf((at - 0.4) / 0.1)) for at in x])
     expected = 2.0 * 1.2815515655 * 0.1 / np.sqrt(2.0)
-    assert thermocline(x, T, (300.0, 400.0)) == pytest.approx(expected, rel=1e-5)
+    assert thermocline(x, T, (300.0, 400.0)) == approx(expected, rel=1e-5)
     assert thermocline(x[:800], T[:800], (300.0, 400.0)) is None  # has not arrived
 
 
@@ -116,7 +116,7 @@ def test_quantities_of_a_cycle():
         for (left, most), exergy in zip(heats, exergies, strict=True)
     ]
     found = exchanged(parts)
-    assert found["storage_efficiency"] == pytest.approx(0.9)
+    assert found["storage_efficiency"] == approx(0.9)
     assert found["effectiveness_charge"] == found["effectiveness_discharge"] == 0.5
     assert found["exergy_efficiency"] == 0.5
     assert used(parts, 0.0, 90.0) == {
@@ -124,7 +124,7 @@ def test_quantities_of_a_cycle():
         "heat_stored_J": 0.0,
         "storage_capacity_J": 90.0,
         "heat_lost_at_rest_J": 0.25,
-        "utilisation": pytest.approx(9.75 / 90.0),
+        "utilisation": approx(9.75 / 90.0),
     }
 
 
@@ -141,4 +141,4 @@ def test_a_round_bed_whose_inlet_temperature_changes():
     text = text.replace(", cells = 120", "")
     q = cb.run(loads(text)).qoi
     flow = SPEED * np.pi * 0.01
-    assert q["heat_charged_J"] == pytest.approx(100.0 * flow * FLUID * 50.0, rel=1e-6)
+    assert q["heat_charged_J"] == approx(100.0 * flow * FLUID * 50.0, rel=1e-6)

@@ -7,6 +7,7 @@ import shutil
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.many.validate.case import SHIPPED, names, read_case
 from contbed.many.validate.deviations import COVERAGE, Score
@@ -102,16 +103,16 @@ def test_known_offset_gives_known_rms_and_bias(tank):
     assert [score.points for score in done.compared.scores] == [3, 3, 6]
     assert (first.group, first.rms, first.bias) == (
         "100 s",
-        pytest.approx(2.0, abs=5e-3),
-        pytest.approx(-2.0, abs=5e-3),
+        approx(2.0, abs=5e-3),
+        approx(-2.0, abs=5e-3),
     )
     assert (second.rms, second.bias) == (
-        pytest.approx(1.0, abs=5e-3),
-        pytest.approx(1.0, abs=5e-3),
+        approx(1.0, abs=5e-3),
+        approx(1.0, abs=5e-3),
     )
-    assert everything.rms == pytest.approx(np.sqrt(2.5), abs=5e-3)
-    assert everything.bias == pytest.approx(-0.5, abs=5e-3)
-    assert done.compared.reported["T_0.004m_300s_K"] == pytest.approx(
+    assert everything.rms == approx(np.sqrt(2.5), abs=5e-3)
+    assert everything.bias == approx(-0.5, abs=5e-3)
+    assert done.compared.reported["T_0.004m_300s_K"] == approx(
         300.0 + RATE * 300.0, abs=5e-3
     )
 
@@ -127,7 +128,7 @@ def test_band_is_the_propagated_uncertainty(tank):
     )
     assert done.compared.influence[
         "boundary.left.solids.particles.heat_flux"
-    ] == pytest.approx(0.1 * np.sqrt(np.mean(rise**2)), rel=5e-4)
+    ] == approx(0.1 * np.sqrt(np.mean(rise**2)), rel=5e-4)
 
 
 def test_verdict_needs_both_uncertainties():
@@ -147,9 +148,7 @@ def test_command_writes_table_picture_and_summary(tank, tmp_path, capsys):
     text = capsys.readouterr().out
     assert "within uncertainty" in text and "tank" in text
     found = json.loads((out / "summary.json").read_text())["cases"]["tank"]
-    assert found["qoi"]["T_0.004m_300s_K"] == pytest.approx(
-        300.0 + RATE * 300.0, abs=5e-3
-    )
+    assert found["qoi"]["T_0.004m_300s_K"] == approx(300.0 + RATE * 300.0, abs=5e-3)
     assert (out / "validation.png").stat().st_size > 10_000
     assert (out / "tank" / "profiles.csv").is_file()
     assert command(f"validate {tank} --out {out} --json") == 0

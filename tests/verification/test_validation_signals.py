@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from pytest import approx
 
 from contbed.many.validate import report
 from contbed.many.validate.case import read_case
@@ -96,11 +97,11 @@ def test_a_sine_has_its_deviation_its_crossings_and_its_peak():
     found = statistics(*resampled(t, 7.0 + wave(t)), 3.0)
     # 6 whole periods: the deviation is that of a sine, the peak is on a line of the
     # spectrum
-    assert found.value[0] == pytest.approx(AMPLITUDE / np.sqrt(2.0), rel=5e-3)
-    assert found.value[1] == pytest.approx(FREQUENCY, rel=1e-6)
-    assert found.value[2] == pytest.approx(FREQUENCY, rel=5e-3)
+    assert found.value[0] == approx(AMPLITUDE / np.sqrt(2.0), rel=5e-3)
+    assert found.value[1] == approx(FREQUENCY, rel=1e-6)
+    assert found.value[2] == approx(FREQUENCY, rel=5e-3)
     assert found.uncertainty[0] < 0.01 * AMPLITUDE
-    assert found.uncertainty[2] == pytest.approx(1.0 / 3.0)
+    assert found.uncertainty[2] == approx(1.0 / 3.0)
 
 
 def test_the_spectrum_holds_the_variance():
@@ -110,7 +111,7 @@ def test_the_spectrum_holds_the_variance():
     rng = np.random.default_rng(1)
     values = rng.normal(size=1001)
     frequency, power = spectrum(0.01, values, 10.0)
-    assert np.sum(power) * frequency[0] == pytest.approx(values.var(), rel=1e-3)
+    assert np.sum(power) * frequency[0] == approx(values.var(), rel=1e-3)
 
 
 def test_the_peak_of_a_long_run_has_the_resolution_of_the_measured_record():
@@ -119,7 +120,7 @@ def test_the_peak_of_a_long_run_has_the_resolution_of_the_measured_record():
     """
     t = np.linspace(0.0, 10.0, 1001)
     frequency, _ = spectrum(*resampled(t, wave(t)), 3.0)
-    assert frequency[0] == pytest.approx(1.0 / 3.0, rel=5e-3)
+    assert frequency[0] == approx(1.0 / 3.0, rel=5e-3)
 
 
 def test_a_wave_of_half_the_amplitude_misses_half_of_the_deviation(signal):
@@ -134,14 +135,14 @@ def test_a_wave_of_half_the_amplitude_misses_half_of_the_deviation(signal):
     found = compare(signal, result)
     deviation, crossings, peak = found.scores
     assert (deviation.unit, crossings.unit, peak.unit) == ("Pa", "Hz", "Hz")
-    assert deviation.bias == pytest.approx(-0.5 * AMPLITUDE / np.sqrt(2.0), rel=0.02)
+    assert deviation.bias == approx(-0.5 * AMPLITUDE / np.sqrt(2.0), rel=0.02)
     assert deviation.data >= 3.0  # that of reading a point
-    assert crossings.bias == pytest.approx(FREQUENCY, rel=0.05)
-    assert peak.bias == pytest.approx(FREQUENCY, rel=0.05)
+    assert crossings.bias == approx(FREQUENCY, rel=0.05)
+    assert peak.bias == approx(FREQUENCY, rel=0.05)
     assert not deviation.within
     assert not peak.within
-    assert found.reported["mean of height [m]"] == pytest.approx(0.1)
-    assert found.reported["mean of middle p [Pa]"] == pytest.approx(300.0, abs=1.0)
+    assert found.reported["mean of height [m]"] == approx(0.1)
+    assert found.reported["mean of middle p [Pa]"] == approx(300.0, abs=1.0)
 
 
 def test_what_is_before_the_start_does_not_count(signal):
@@ -176,14 +177,12 @@ def test_profiles_at_levels_have_their_offset(levels):
     """
     found = compare_levels(levels, table_of(1.2))
     assert [score.group for score in found.scores] == ["0.03 m", "0.09 m", "all"]
-    assert found.scores[0].bias == pytest.approx(0.2 * 1.3)
-    assert found.scores[1].rms == pytest.approx(0.2 * 1.9)
+    assert found.scores[0].bias == approx(0.2 * 1.3)
+    assert found.scores[1].rms == approx(0.2 * 1.9)
     for name in ("0.03 m", "0.09 m", "all"):
-        assert found.reported[f"L1 of {name}"] == pytest.approx(0.2)
+        assert found.reported[f"L1 of {name}"] == approx(0.2)
     assert found.reported["x [m]"] == [0.01, 0.02, 0.04]
-    assert found.reported["speed_solid at 0.15 m [m/s]"] == pytest.approx(
-        [1.2 * 2.5] * 3
-    )
+    assert found.reported["speed_solid at 0.15 m [m/s]"] == approx([1.2 * 2.5] * 3)
 
 
 def test_report_of_signals_and_levels(tmp_path, signal, levels):
@@ -248,5 +247,5 @@ def test_the_measured_pressure_of_van_wachem_has_its_published_statistics():
     points = read_case("van_wachem_2001").points
     found = statistics(*resampled(points.t, points.value), points.t[-1] - points.t[0])
     deviation, crossings, peak = found.value
-    assert (deviation, peak) == pytest.approx((82.0, 2.01), rel=0.02)
+    assert (deviation, peak) == approx((82.0, 2.01), rel=0.02)
     assert 7 <= round(crossings * 2.983) <= 8
