@@ -13,7 +13,7 @@ def put(scene, key, value):
     for name in above:
         scene = scene.setdefault(name, {})
     if value is None:
-        del scene[last]
+        scene.pop(last, None)
     else:
         scene[last] = value
 
