@@ -19,9 +19,6 @@ from contbed.report.study import Content, Found, Study, has
 
 OBJECTIVE = ": objective"  # ending of a header of table.csv
 TEXTS = ("run", "problem", "gradient")  # columns of table.csv
-# of the table of constraints, keys of summary.json
-COLUMNS = ("constraint", "value", "bound", "unit", "missed_by", "active", "price",
-           "price_unit")  # fmt: skip
 
 
 def _content(folder: Path, found: Found, made: page.Charts) -> Content:
@@ -77,23 +74,15 @@ def _answer(found: Found) -> str:
         if active
         else "no constraint is active"
     )
-    rows = []
-    for name, key in found["keys"].items():
-        price = key["price_of_bound"]
-        per = f"{aim['unit']} per {key['unit']}" if price else ""
-        ends = (key[end] for end in ("value", "from", "to"))
-        bound = price or "inside of its bounds"
-        rows.append([page.code(name), *ends, page.unit(key["unit"]), bound, per])
-    head = ["key", "value", "from", "to", "unit", "price of its bound"]
-    keys = page.table([*head, "unit of the price"], rows)
+    keys = page.records(
+        {"key": page.code(name), **key} for name, key in found["keys"].items()
+    )
     expected = found["surrogate"] or {}
-    values = [
-        [name, each["expected"], each["standard_error"]]
+    surrogate = page.records(
+        {"by the surrogate": name, **each}
         for name, each in expected.items()
         if isinstance(each, dict)
-    ]
-    head = ["by the surrogate", "expected", "standard error"]
-    surrogate = page.table(head, values)
+    )
     return (
         f'<p class="verdict">{"".join(lines)}</p><p>{answer}; '
         f"{held}</p>{keys}{surrogate}"
@@ -101,15 +90,12 @@ def _answer(found: Found) -> str:
 
 
 def _constraints(found: Found) -> str:
-    rows = []
-    for one in found["constraints"]:
-        code, unit = page.code(one["constraint"]), page.unit(one["unit"])
-        shown = one | {"constraint": code, "unit": unit}
-        rows.append([shown[key] for key in COLUMNS])
-    costs = "".join(f"<li>{escape(text)}</li>" for text in found["costs"])
-    return page.table([key.replace("_", " ") for key in COLUMNS], rows) + (
-        f"<ul>{costs}</ul>" if costs else ""
+    shown = page.records(
+        {key: value for key, value in one.items() if key != "gradient"}
+        for one in found["constraints"]
     )
+    costs = "".join(f"<li>{escape(text)}</li>" for text in found["costs"])
+    return shown + (f"<ul>{costs}</ul>" if costs else "")
 
 
 def _gradient(found: Found) -> str:

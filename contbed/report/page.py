@@ -170,6 +170,13 @@ def table(head: Sequence[str], rows: Iterable[Iterable[Any]]) -> str:
     return f'<div class="scroll"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
+def records(rows: Iterable[Mapping[str, Any]]) -> str:
+    """Return a table of entries with the same keys, which are its head."""
+    rows = list(rows)
+    head = [key.replace("_", " ") for key in (rows[0] if rows else ())]
+    return table(head, (row.values() for row in rows))
+
+
 def _cell(value: Any) -> str:
     shown = number(value)
     alignment = " class=number" if isinstance(shown, Number) else ""
@@ -189,11 +196,6 @@ def number(value: Any) -> Html:
         more = f", ... ({len(value)} values)" if len(value) > 8 else ""
         return Number(shown + more)
     return Html(escape(str(value)))
-
-
-def share(value: float) -> Number:
-    """Return a share in percent as a cell."""
-    return Number(f"{value:.1%}")
 
 
 def found(values: Mapping[str, Any]) -> str:
