@@ -138,6 +138,12 @@ class Fit:
         return self.scatter * math.sqrt((1.0 + self.alike) / (1.0 - self.alike))
 
     @property
+    def correlation(self) -> Array:
+        """Correlation of the keys, (keys, keys)."""
+        spread = np.sqrt(np.diag(self.covariance))
+        return np.asarray(self.covariance / np.outer(spread, spread))
+
+    @property
     def quantile(self) -> float:
         """Standard errors on each side of an interval; of Student's t where the
         errors come from the residuals.

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -55,6 +56,15 @@ def plot(found: Calibrated, out: Path) -> None:
         _keys(f, found)
 
 
+def _of(found: Calibrated, chosen: list[int]) -> Any:
+    """Return what is known of some points, each an array (points,)."""
+    names = ("t", "x", "value", "error", "fitted")
+    points = [found.points[k] for k in chosen]
+    return SimpleNamespace(
+        **{name: np.array([getattr(one, name) for one in points]) for name in names}
+    )
+
+
 def _panels(points: Sequence[Point]) -> dict[tuple[str, str], list[int]]:
     groups: dict[tuple[str, str], list[int]] = {}
     for k, point in enumerate(points):
@@ -66,58 +76,35 @@ def _curves(axes: Any, found: Calibrated, chosen: list[int]) -> None:
     """Draw values over the position, a curve for each time; or over time, a curve
     for each position.
     """
-    points, p = found.points, found.prediction
-    places = {points[k].x for k in chosen}
-    over_time = all(math.isnan(place) for place in places) or (
-        len(places) < len({points[k].t for k in chosen})
-        and not math.isnan(points[chosen[0]].t)
+    here, p, order = _of(found, chosen), found.prediction, np.array(chosen)
+    over_time = np.isnan(here.x).all() or (
+        len(np.unique(here.x)) < len(np.unique(here.t)) and not np.isnan(here.t[0])
     )
-    series: dict[float | None, list[int]] = {}
-    for k in chosen:
-        at = points[k].x if over_time else points[k].t
-        series.setdefault(None if math.isnan(at) else at, []).append(k)
-    for number, (place, members) in enumerate(list(series.items())[:_MOST_CURVES]):
-        members = sorted(
-            members, key=lambda k: points[k].t if over_time else points[k].x
-        )
-        along = np.array([points[k].t if over_time else points[k].x for k in members])
-        fitted, colour = any(points[k].fitted for k in members), f"C{number}"
-        name = (
-            "predicted" if place is None else f"{place:g} {'m' if over_time else 's'}"
-        )
-        line = ("-" if fitted else "--") + (
-            "." if len(members) <= _FEW and not fitted else ""
-        )
-        axes.plot(
-            along,
-            p.value[members],
-            line,
-            color=colour,
-            label=name if fitted else f"{name}, not fitted",
-        )
+    at, along = (here.x, here.t) if over_time else (here.t, here.x)
+    for number, place in enumerate(np.unique(at)[:_MOST_CURVES]):
+        rows = np.flatnonzero((at == place) | (np.isnan(at) & np.isnan(place)))
+        rows = rows[np.argsort(along[rows], kind="stable")]
+        members, s, colour = order[rows], along[rows], f"C{number}"
+        fitted = here.fitted[rows]
+        name = "predicted"
+        if not np.isnan(place):
+            name = f"{place:g} {'m' if over_time else 's'}"
+        line = "-"
+        if not fitted.any():
+            name, line = f"{name}, not fitted", "--" + "." * (len(rows) <= _FEW)
+        axes.plot(s, p.value[members], line, color=colour, label=name)
         wide = p.low_measured[members], p.high_measured[members]
         if np.isfinite(wide[0]).all():
-            axes.fill_between(along, *wide, color=colour, alpha=0.12, lw=0)
-        axes.fill_between(
-            along, p.low[members], p.high[members], color=colour, alpha=0.35, lw=0
-        )
-        for k in members:
-            if not math.isnan(points[k].value):
-                x = points[k].t if over_time else points[k].x
-                face = colour if points[k].fitted else "white"
-                axes.errorbar(
-                    x,
-                    points[k].value,
-                    points[k].error,
-                    fmt="o",
-                    ms=3,
-                    lw=0.6,
-                    color=colour,
-                    mfc=face,
-                )
+            axes.fill_between(s, *wide, color=colour, alpha=0.12, lw=0)
+        band = p.low[members], p.high[members]
+        axes.fill_between(s, *band, color=colour, alpha=0.35, lw=0)
+        for which, face in ((fitted, colour), (~fitted, "white")):
+            k = rows[which]
+            look = {"fmt": "o", "ms": 3, "lw": 0.6, "color": colour, "mfc": face}
+            axes.errorbar(along[k], here.value[k], here.error[k], **look)
     axes.set(
         xlabel="time [s]" if over_time else "position [m]",
-        ylabel=_unit(points[chosen[0]]),
+        ylabel=_unit(found.points[chosen[0]]),
     )
     axes.legend(
         fontsize=8,
@@ -129,19 +116,13 @@ def _curves(axes: Any, found: Calibrated, chosen: list[int]) -> None:
 
 def _results(axes: Any, found: Calibrated, chosen: list[int]) -> None:
     """Draw predicted over measured values with the line of agreement."""
-    points, p = found.points, found.prediction
-    measured = [k for k in chosen if not math.isnan(points[k].value)]
-    values = np.array([points[k].value for k in measured])
-    ends = [
-        min(values.min(), p.value[measured].min()),
-        max(values.max(), p.value[measured].max()),
-    ]
+    here, p = _of(found, chosen), found.prediction
+    predicted, half = p.value[chosen], found.fit.quantile * p.deviation[chosen]
+    both = np.array([here.value, predicted])[:, np.isfinite(here.value)]
+    ends = [both.min(), both.max()]
     axes.plot(ends, ends, color="black", lw=0.8)
-    axes.errorbar(
-        values, p.value[measured], found.fit.quantile * p.deviation[measured], [points[k].error for k in measured],
-        fmt="o", ms=4, lw=0.6,
-    )  # fmt: skip
-    axes.set(xlabel=f"measured {_unit(points[chosen[0]])}", ylabel="predicted")
+    axes.errorbar(here.value, predicted, half, here.error, fmt="o", ms=4, lw=0.6)
+    axes.set(xlabel=f"measured {_unit(found.points[chosen[0]])}", ylabel="predicted")
 
 
 def _residuals(figure: Any, found: Calibrated) -> None:
@@ -151,23 +132,23 @@ def _residuals(figure: Any, found: Calibrated) -> None:
     from scipy.special import ndtri
 
     left, right = figure.subplots(1, 2, width_ratios=(1.6, 1.0))
-    points, value = found.points, found.prediction.value
     count = 0
-    for colour, ((experiment, quantity), chosen) in enumerate(_panels(points).items()):
-        for fitted in (True, False):
-            shown = [
-                k
-                for k in chosen
-                if points[k].fitted == fitted and not math.isnan(points[k].value)
-            ]
-            if not shown:
+    for number, (names, chosen) in enumerate(_panels(found.points).items()):
+        here, colour = _of(found, chosen), f"C{number}"
+        deviations = (found.prediction.value[chosen] - here.value) / here.error
+        for name, which in (("", here.fitted), (", not fitted", ~here.fitted)):
+            shown = deviations[which & np.isfinite(here.value)]
+            if not len(shown):
                 continue
             left.plot(
                 np.arange(count, count + len(shown)),
-                [(value[k] - points[k].value) / points[k].error for k in shown],
-                "o", ms=3, color=f"C{colour}", mfc=f"C{colour}" if fitted else "white",
-                label=f"{experiment}, {quantity}{'' if fitted else ', not fitted'}",
-            )  # fmt: skip
+                shown,
+                "o",
+                ms=3,
+                color=colour,
+                mfc="white" if name else colour,
+                label=", ".join(names) + name,
+            )
             count += len(shown)
     left.axhline(0.0, color="black", lw=0.8)
     left.set(
@@ -175,9 +156,8 @@ def _residuals(figure: Any, found: Calibrated) -> None:
     )
     left.legend(fontsize=8)
     fit = found.fit
-    deviations = np.sort(
-        (fit.predicted[found.data.index] - found.data.value) / found.data.error
-    )
+    predicted = fit.predicted[found.data.index]
+    deviations = np.sort((predicted - found.data.value) / found.data.error)
     shares = (np.arange(len(deviations)) + 0.5) / len(deviations)
     right.plot(ndtri(shares), deviations, "o", ms=3)
     ends = np.array([ndtri(shares[0]), ndtri(shares[-1])])
@@ -195,14 +175,9 @@ def _keys(figure: Any, found: Calibrated) -> None:
     fit = found.fit
     half = fit.quantile * np.sqrt(np.diag(fit.covariance))
     left.errorbar(fit.z, rows, xerr=half, fmt="o", ms=4, capsize=3, label="covariance")
-    kept = [
-        (k, found.intervals[name])
-        for k, name in enumerate(names)
-        if name in found.intervals
-    ]
-    if kept:
-        left.hlines([k + 0.15 for k, _ in kept], [i.low for _, i in kept], [i.high for _, i in kept], color="C1", lw=2,
-                    label="profile")  # fmt: skip
+    if found.intervals:  # of all keys, in their order
+        ends = np.array([(each.low, each.high) for each in found.intervals.values()])
+        left.hlines(rows + 0.15, *ends.T, color="C1", lw=2, label="profile")
     if found.samples is not None:
         low, high = np.quantile(found.samples.z, (0.05, 0.95), axis=0)
         left.hlines(rows - 0.15, low, high, color="C2", lw=2, label="posterior")
@@ -215,8 +190,7 @@ def _keys(figure: Any, found: Calibrated) -> None:
     figure.legend(
         *left.get_legend_handles_labels(), loc="outside lower left", ncols=4, fontsize=8
     )
-    spread = np.sqrt(np.diag(fit.covariance))
-    correlation = fit.covariance / np.outer(spread, spread)
+    correlation = fit.correlation
     picture = right.imshow(correlation, vmin=-1.0, vmax=1.0, cmap="RdBu_r")
     right.set_xticks(rows, [str(k + 1) for k in rows])
     right.set_yticks(rows, [str(k + 1) for k in rows])

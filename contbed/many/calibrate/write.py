@@ -31,7 +31,7 @@ def write(found: Calibrated, out: Path) -> None:
     """Write all files but the plots."""
     write_rows(
         out / "keys.csv",
-        ("key", "unit", "prior", "fitted", "standard error", *_ENDS),
+        _HEAD,
         key_rows(found),
         _cell,
     )
@@ -66,7 +66,12 @@ def write(found: Calibrated, out: Path) -> None:
     write_json(out / "summary.json", summary(found))
 
 
-_ENDS = (
+_HEAD = (
+    "key",
+    "unit",
+    "prior",
+    "fitted",
+    "standard error",
     "low",
     "high",
     "low of profile",
@@ -134,7 +139,6 @@ def point_rows(found: Calibrated) -> Iterable[Row]:
 def summary(found: Calibrated) -> dict[str, Any]:
     """Return the content of summary.json."""
     names = [key.name for key in found.keys]
-    spread = np.sqrt(np.diag(found.fit.covariance))
     slopes = np.array(
         [
             key.prior.slope(float(z))
@@ -157,13 +161,7 @@ def summary(found: Calibrated) -> dict[str, Any]:
         "title": found.file.settings.title,
         "warnings": found.warnings,
         "keys": {
-            row[0]: {
-                "unit": row[1],
-                "prior": row[2],
-                "fitted": row[3],
-                "standard error": row[4],
-            }
-            | dict(zip(_ENDS, row[5:], strict=True))
+            row[0]: dict(zip(_HEAD[1:], row[1:], strict=True))
             for row in key_rows(found)
         },
         "coverage": COVERAGE,
@@ -171,7 +169,7 @@ def summary(found: Calibrated) -> dict[str, Any]:
             "keys": names,
             "matrix": found.fit.covariance * np.outer(slopes, slopes),
         },
-        "correlation": found.fit.covariance / np.outer(spread, spread),
+        "correlation": found.fit.correlation,
         "combinations": [
             {
                 "singular value": each.singular,
