@@ -7,11 +7,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from contbed.arrays import Array
+from contbed.scene.property_table import Melting, PropertyTable
 
 from .common import integrated, polynomial
 from .pointwise import pointwise
@@ -19,19 +20,7 @@ from .pointwise import pointwise
 Function = Callable[[Any], Any]
 
 
-class Tabulated(Protocol):
-    """A table of a scene."""
-
-    @property
-    def temperatures(self) -> tuple[float, ...]:
-        """Temperatures in increasing order [K]."""
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """Value at each temperature."""
-
-
-Property = float | Sequence[float] | Tabulated
+Property = float | Sequence[float] | PropertyTable
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -119,23 +108,7 @@ class LatentHeat:
         return scale * s * (1.0 - s) * (1.0 - 2.0 * s)
 
 
-class Melts(Protocol):
-    """A table of a scene on a material that melts."""
-
-    @property
-    def latent_heat(self) -> float:
-        """Heat of melting [J/kg]."""
-
-    @property
-    def start(self) -> float:
-        """Temperature [K] below which all is solid."""
-
-    @property
-    def end(self) -> float:
-        """Temperature [K] above which all is liquid."""
-
-
-def latent_heat_of(melting: Melts | None) -> LatentHeat | None:
+def latent_heat_of(melting: Melting | None) -> LatentHeat | None:
     """Return the latent heat of a table of a scene, None without one."""
     if melting is None:
         return None

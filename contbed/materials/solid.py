@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import SceneError
+from contbed.scene.property_table import PropertyTable
 
 from .common import (
     Range,
@@ -22,7 +23,6 @@ from .curve import (
     Function,
     LatentHeat,
     Property,
-    Tabulated,
     function_of,
     integral_of,
 )
@@ -47,7 +47,7 @@ class Solid:
     name: str
     source: str
     latent_heat: LatentHeat | None
-    _given: tuple[tuple[float, ...] | Tabulated, ...]
+    _given: tuple[tuple[float, ...] | PropertyTable, ...]
     _density: Function = field(compare=False, repr=False)
     _heat_capacity: Function = field(compare=False, repr=False)
     _conductivity: Function = field(compare=False, repr=False)
@@ -106,7 +106,7 @@ class Solid:
 
 def _checked(
     given: Property, T_range: Range, what: str, unit: str
-) -> tuple[float, ...] | Tabulated:
+) -> tuple[float, ...] | PropertyTable:
     """Return a table as it is, or the coefficients of a polynomial without trailing
     zeros, checked to be positive over a bounded range.
     """
