@@ -25,7 +25,7 @@ from contbed.scene.quantities import (
     Temperature,
     unit,
 )
-from contbed.scene.series import how_written
+from contbed.scene.series import Changing, Quantity, how_written
 from contbed.scene.tables import Polynomial
 from contbed.scene.toml_lines import KeyPath, Origin
 
@@ -95,18 +95,15 @@ TABLES: Mapping[str, type[PropertyTable]] = {
     "conductivity": ConductivityTable,
 }
 
-HeatCapacityOfSolid = Annotated[
-    Annotated[HeatCapacity, Tag("number")]
+# a constant, a polynomial or a table over temperature
+OfSolid = Annotated[
+    Annotated[Quantity, Tag("number")]
     | Polynomial
-    | Annotated[HeatCapacityTable, Tag("series")],
+    | Annotated[Changing, Tag("series")],
     Discriminator(how_written),
 ]
-ConductivityOfSolid = Annotated[
-    Annotated[Conductivity, Tag("number")]
-    | Polynomial
-    | Annotated[ConductivityTable, Tag("series")],
-    Discriminator(how_written),
-]
+HeatCapacityOfSolid = OfSolid[HeatCapacity, HeatCapacityTable]
+ConductivityOfSolid = OfSolid[Conductivity, ConductivityTable]
 
 
 class Melting(Table):
