@@ -211,7 +211,8 @@ def overview(name: str) -> list[str]:
             for line in (title, *(f"    {one}" for one in lines))
         ]
     about = {
-        kind: f"{arguments.RESULTS.get(kind, kind)}: {', '.join(_short(kind))}"
+        kind: f"{arguments.RESULTS.get(kind, kind)}: "
+        + ", ".join(name.removeprefix(f"{kind}_") for name in closures.names(kind))
         for kind in kinds()
     }
     head = (
@@ -219,11 +220,6 @@ def overview(name: str) -> list[str]:
         "--for KIND` ranks them"
     )
     return [head, *(f"    {line}" for line in _lines(about))]
-
-
-def _short(kind: str) -> list[str]:
-    """Return the names of the closures of a kind without it."""
-    return [name.removeprefix(f"{kind}_") for name in closures.names(kind)]
 
 
 def _lines(entries: Mapping[str, str]) -> list[str]:

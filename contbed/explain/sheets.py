@@ -170,15 +170,12 @@ def unit(path: KeyPath) -> str | None:
     )
 
 
-def _model_sheets(name: str) -> Iterator[str]:
+def _function_sheets(name: str) -> Iterator[str]:
+    """Yield models and closures; a short name may belong to several kinds, that of a
+    dispersion stands for a pair.
+    """
     if name in models():
         yield models()[name]
-
-
-def _closure_sheets(name: str) -> Iterator[str]:
-    """Yield closures; a short name may belong to several kinds, that of a dispersion
-    stands for a pair.
-    """
     wanted = [f"{kind}{name}" for kind in ("", *(f"{kind}_" for kind in kinds()))]
     wanted += [
         f"{stem}{end}"
@@ -222,7 +219,9 @@ def _key_sheets(name: str) -> Iterator[str]:
 
 
 def _law_sheets(name: str) -> Iterator[str]:
-    """Yield the rate laws of a reaction, and those that are called so."""
+    """Yield the rate laws of a reaction, those that are called so, and those with
+    constants of the scene.
+    """
     reaction = name.removeprefix("reactions.").removesuffix(".law")
     if of := laws().get(reaction):
         head = (
@@ -234,6 +233,10 @@ def _law_sheets(name: str) -> Iterator[str]:
     for reaction, of in laws().items():
         if name in of:
             yield "\n".join([f"{name} - rate law of {reaction}", *_law(of[name])])
+    if equations := laws_by_name().get(name):
+        yield "\n    ".join([f"{name} - rate law", *equations])
+    if needed := own_laws().get(name):
+        yield f"{name} - rate law, constants of the scene: [reactions.NAME] needs {', '.join(needed)}"
 
 
 def _law(law: PowerLaw) -> list[str]:
@@ -242,21 +245,6 @@ def _law(law: PowerLaw) -> list[str]:
         f"    {law.name}: {law.reaction} [{law.unit}], {low:g} to {high:g} K",
         f"        {law.source}",
     ]
-
-
-def _named_law_sheets(name: str) -> Iterator[str]:
-    if equations := laws_by_name().get(name):
-        yield "\n".join(
-            [
-                f"{name} - rate law",
-                *(f"    {equation}" for equation in equations),
-            ]
-        )
-
-
-def _own_law_sheets(name: str) -> Iterator[str]:
-    if needed := own_laws().get(name):
-        yield f"{name} - rate law, constants of the scene: [reactions.NAME] needs {', '.join(needed)}"
 
 
 def _group_sheets(name: str) -> Iterator[str]:
@@ -308,7 +296,10 @@ def _result_sheets(name: str) -> Iterator[str]:
                 yield _quantity(what, whole, table[whole])
 
 
-def _argument_sheets(name: str) -> Iterator[str]:
+def _data_sheets(name: str) -> Iterator[str]:
+    """Yield materials, arguments of closures and terms."""
+    if name in MATERIALS:
+        yield material_sheet(name)
     if (known := arguments.ARGUMENTS.get(name)) is not None:
         takers = [
             closure
@@ -316,6 +307,9 @@ def _argument_sheets(name: str) -> Iterator[str]:
             if name in registry.sheet(closure).arguments
         ]
         yield f"{name} - argument of {len(takers)} closures, [{known.unit}]: {known.meaning}"
+    for term, text in TERMS.items():
+        if term.lower() == name.lower():
+            yield f"{term} - {text}"
 
 
 def _by_pattern(name: str) -> Iterator[str]:
@@ -341,29 +335,13 @@ def _quantity(what: str, name: str, entry: fields.Field) -> str:
     return f"{name} - {what}{pattern}, {unit}: {entry.description}"
 
 
-def _material_sheets(name: str) -> Iterator[str]:
-    if name in MATERIALS:
-        yield material_sheet(name)
-
-
-def _term_sheets(name: str) -> Iterator[str]:
-    for term, text in TERMS.items():
-        if term.lower() == name.lower():
-            yield f"{term} - {text}"
-
-
 _SOURCES = (
-    _model_sheets,
-    _closure_sheets,
+    _function_sheets,
     _kind_sheets,
     _key_sheets,
     _law_sheets,
-    _named_law_sheets,
-    _own_law_sheets,
-    _material_sheets,
     _result_sheets,
-    _argument_sheets,
-    _term_sheets,
+    _data_sheets,
     _group_sheets,
     _part_sheets,
 )

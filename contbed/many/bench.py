@@ -121,7 +121,11 @@ class Bench:
                 ("case", "unknowns", "error", "user [s]", "ratio")
             ]
             for _, case, *numbers in (row for row in self.rows if row[0] == part):
-                texts = map(_text, numbers, ("d", ".2e", ".4g", ".3g"))
+                styles = zip(numbers, ("d", ".2e", ".4g", ".3g"), strict=True)
+                texts = (
+                    "" if value == "" else format(value, style)
+                    for value, style in styles
+                )
                 rows.append((case, *texts))
             lines += ["", part, *aligned(rows, left=(0,))]
         return "\n".join(lines + [""] * bool(self.skipped) + list(self.skipped))
@@ -327,7 +331,3 @@ def _race(
     return [
         (plan.title, name, "", "", time, time / first) for name, time in medians.items()
     ]
-
-
-def _text(value: Any, form: str) -> str:
-    return "" if value == "" else format(value, form)

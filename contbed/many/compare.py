@@ -20,7 +20,6 @@ from contbed.many.tables import aligned, write_rows
 from contbed.models import names
 from contbed.output.common_results import Value, common_results
 from contbed.output.folder import prepare_study
-from contbed.result import Result
 from contbed.runner import run
 from contbed.scene.names import nearest, several
 from contbed.scene.tables import SceneBase
@@ -165,17 +164,12 @@ def _outcome(model: str, scene: SceneBase, folder: Path) -> Outcome:
         result = run(scene, folder)
     except ContbedError as error:
         return Outcome(model, ignored=ignored, problem=str(error))
+    tables = {"profiles": result.profiles, **result.tables}
     return Outcome(
         model,
-        common_results(
-            result.qoi, _tables(result), tuple(getattr(scene, "solids", ()))
-        ),
+        common_results(result.qoi, tables, tuple(getattr(scene, "solids", ()))),
         result.timings["total"],
         sum(result.plan.unknowns().values()),
         ignored,
         tuple(result.plan.skipped),
     )
-
-
-def _tables(result: Result) -> dict[str, Mapping[str, Any]]:
-    return {"profiles": result.profiles, **result.tables}

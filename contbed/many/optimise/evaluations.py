@@ -225,7 +225,7 @@ class Evaluations:
         slopes = {name: np.zeros(len(keys)) for name in self.design.fixed()}
         slopes |= {
             name: np.array([float(name == other) for other in names])
-            for name in self._changed()
+            for name in (key.name for key in self.design.keys)
         }
         if self.design.results:
             slopes |= self._gradient(at, names)
@@ -246,9 +246,6 @@ class Evaluations:
                 for row in rows
             ]
         )
-
-    def _changed(self) -> list[str]:
-        return [key.name for key in self.design.keys]
 
     def _gradient(self, at: Evaluation, names: Sequence[str]) -> dict[str, Array]:
         """Return the derivatives of each result to the keys `names`, computed or

@@ -64,11 +64,12 @@ def write_table(folder: Path, design: Design, rows: Sequence[Evaluation]) -> Non
         "exit code",
         "problem",
     ]
+    signs = np.array([design.sign, *np.ones(len(design.constraints))])
     cells = []
     for number, row in enumerate(rows, 1):
         values = [""] * (1 + len(excess))
         if row.functions is not None:
-            values = [repr(float(value)) for value in row.functions * _signs(design)]
+            values = [repr(float(value)) for value in row.functions * signs]
         point = [
             key.shown(v) if key.whole else repr(float(v))
             for key, v in zip(design.keys, row.point, strict=True)
@@ -84,10 +85,6 @@ def write_table(folder: Path, design: Design, rows: Sequence[Evaluation]) -> Non
         ]
         cells.append([number, *point, *named, *values, *state])
     write_rows(folder / "table.csv", head, cells)
-
-
-def _signs(design: Design) -> Any:
-    return np.array([design.sign, *np.ones(len(design.constraints))])
 
 
 def _unit(unit: str) -> str:

@@ -149,7 +149,11 @@ def by_gradient(evaluations: Evaluations) -> Found:
                 return _only(part)
             found = minimise(part, design.start[rest] if near is None else near.x)
         except EvaluationFailed as error:
-            remarks.append(f"no search with {_shown(design, whole, choice)}: {error}")
+            values = (
+                f"{design.keys[k].name} = {value}"
+                for k, value in zip(whole, choice, strict=True)
+            )
+            remarks.append(f"no search with {', '.join(values)}: {error}")
             return None
         remarks.extend(found.remarks)
         return found
@@ -189,13 +193,6 @@ def _only(part: Slice) -> Optimum:
         none, values, np.zeros((len(values), 0)), np.zeros(len(size)), none, np.zeros(len(size), bool), 0.0,
         float(missed.max(initial=0.0)),
     )  # fmt: skip
-
-
-def _shown(design: Design, whole: list[int], choice: tuple[int, ...]) -> str:
-    return ", ".join(
-        f"{design.keys[k].name} = {value}"
-        for k, value in zip(whole, choice, strict=True)
-    )
 
 
 def _how_complete(tried: int, complete: bool) -> str:

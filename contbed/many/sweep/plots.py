@@ -7,7 +7,6 @@ as a line. Runs that failed are crosses.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -131,9 +130,9 @@ def _lines(
     with styled_figure(path, 1.2 + 2.6 * len(results), title) as figure:
         panels = figure.subplots(len(results), 1, sharex=True, squeeze=False)[:, 0]
         for panel, (quantity, values) in zip(panels, results, strict=True):
-            groups = (
-                [np.ones(len(values), bool)] if beside is None else _choices(beside)
-            )
+            groups = [np.ones(len(values), bool)]
+            if beside is not None:
+                groups = [beside.values == k for k in range(len(beside.choices))]
             for k, group in enumerate(groups):
                 order = np.flatnonzero(group)[
                     np.argsort(along.values[group], kind="stable")
@@ -240,11 +239,6 @@ def _means(axis: _Axis, values: Array) -> tuple[Array, Array]:
     return np.array([np.median(at[part]) for part in slices]), np.array(
         [found[part].mean() for part in slices]
     )
-
-
-def _choices(axis: _Axis) -> Iterator[Any]:
-    for k in range(len(axis.choices)):
-        yield axis.values == k
 
 
 def _crosses(panel: Any, axis: _Axis, failed: Any) -> None:
