@@ -181,12 +181,8 @@ def bind_dispersion(spec: str | Closure, gives: Iterable[str]) -> BoundDispersio
     names; raises what `bind` raises.
     """
     name, parameters = _split(spec)
-    stems = [
-        known.removesuffix("_axial")
-        for known in registry.names("dispersion")
-        if known.endswith("_axial")
-    ]
-    pair = registry.dispersion_pair(_full_name(name, "dispersion", stems))
+    stem = _full_name(name, "dispersion", registry.dispersions())
+    pair = registry.dispersion_pair(stem)
     _check(name, parameters, list(pair), gives)
     return BoundDispersion(
         *(BoundClosure(function, parameters, gives) for function in pair)

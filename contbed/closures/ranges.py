@@ -116,10 +116,9 @@ def usage(function: Callable[..., Any] | str, **arguments: Any) -> RangeUse:
     facts: Sheet = function.sheet  # type: ignore[attr-defined]
     bound = inspect.signature(function).bind(**arguments)
     bound.apply_defaults()
-    uses = {}
-    for key, declared in facts.ranges.items():
-        uses[key] = _argument_use(_values(key, bound.arguments), declared)
-    return RangeUse(sheet=facts, arguments=MappingProxyType(uses))
+    record = RangeRecord(facts)
+    record.add(bound.arguments)
+    return record.use()
 
 
 def _values(key: str, arguments: Mapping[str, Any]) -> Array:

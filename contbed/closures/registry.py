@@ -145,15 +145,17 @@ class DispersionPair(NamedTuple):
     transverse: Callable[..., Any]
 
 
+def dispersions() -> list[str]:
+    """Return the names of the correlations of dispersion, without the direction."""
+    axial = (name for name in names("dispersion") if name.endswith("_axial"))
+    return [name.removesuffix("_axial") for name in axial]
+
+
 def dispersion_pair(stem: str) -> DispersionPair:
     """Return the axial and the transverse closure whose names begin with `stem`;
     SceneError names the nearest stems.
     """
-    known = [
-        name.removesuffix("_axial")
-        for name in names("dispersion")
-        if name.endswith("_axial")
-    ]
+    known = dispersions()
     if stem not in known:
         raise unknown(stem, known, "dispersion")
     return DispersionPair(get(f"{stem}_axial"), get(f"{stem}_transverse"))

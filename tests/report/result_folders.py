@@ -142,6 +142,7 @@ def of_cascade(folder):
     }  # fmt: skip
     (folder / "summary.json").write_text(json.dumps(content))
     (folder / "samples.csv").write_text("packing,T_fluid_out [K]\n1,895\n2,905\n")
+    (folder / "table.csv").write_text("part,share in T_fluid_out_K\npacking,1\n")
     (folder / "band.png").write_bytes(b"a picture")
     return folder, "summary.json"
 

@@ -234,8 +234,6 @@ def _search(scaled: _Scaled, z: Array, reach: float) -> Array:
     """Return where one search from a point ends; where constraints are missed, where
     they are missed least.
     """
-    from scipy.optimize import minimize
-
     box = np.column_stack([np.maximum(z - reach, 0.0), np.minimum(z + reach, 1.0)])
     equality = scaled.functions.equality
 
@@ -251,17 +249,16 @@ def _search(scaled: _Scaled, z: Array, reach: float) -> Array:
         for kind, rows in (("ineq", ~equality), ("eq", equality))
         if rows.any()
     ]
-    with np.errstate(all="ignore"):
-        found = minimize(
+    end: Array = np.clip(
+        _slsqp(
             lambda at: scaled.values(at)[0],
             z,
             jac=lambda at: scaled.derivatives(at)[0],
-            method="SLSQP",
             bounds=box,
             constraints=parts,
-            options={"ftol": DECREASE, "maxiter": ITERATIONS},
-        )
-    end: Array = np.clip(found.x, box[:, 0], box[:, 1])
+        ),
+        *box.T,
+    )
     if _excess(scaled, end) > FEASIBLE:
         nearest = _nearest_feasible(scaled, end, box)
         if _excess(scaled, nearest) < _excess(scaled, end):
@@ -273,8 +270,6 @@ def _nearest_feasible(scaled: _Scaled, z: Array, box: Array) -> Array:
     """Return where the largest excess is smallest: minimise t with g <= t and
     |h| <= t.
     """
-    from scipy.optimize import minimize
-
     equality = scaled.functions.equality
 
     def rows(of: Array) -> Array:
@@ -285,22 +280,30 @@ def _nearest_feasible(scaled: _Scaled, z: Array, box: Array) -> Array:
         return np.column_stack([-found, np.ones(len(found))])
 
     t = _excess(scaled, z)
-    with np.errstate(all="ignore"):
-        found = minimize(
-            lambda at: at[-1],
-            np.append(z, t),
-            jac=lambda at: np.append(np.zeros(len(z)), 1.0),
-            method="SLSQP",
-            bounds=[*map(tuple, box), (0.0, None)],
-            constraints={
-                "type": "ineq",
-                "fun": lambda at: at[-1] - rows(scaled.values(at[:-1])),
-                "jac": slopes,
-            },
-            options={"ftol": DECREASE, "maxiter": ITERATIONS},
-        )
-    nearest: Array = np.clip(found.x[:-1], box[:, 0], box[:, 1])
+    found = _slsqp(
+        lambda at: at[-1],
+        np.append(z, t),
+        jac=lambda at: np.append(np.zeros(len(z)), 1.0),
+        bounds=[*map(tuple, box), (0.0, None)],
+        constraints={
+            "type": "ineq",
+            "fun": lambda at: at[-1] - rows(scaled.values(at[:-1])),
+            "jac": slopes,
+        },
+    )
+    nearest: Array = np.clip(found[:-1], *box.T)
     return nearest
+
+
+def _slsqp(function: Callable[[Array], Any], start: Array, **problem: Any) -> Array:
+    """Return where a search of scipy ends."""
+    from scipy.optimize import minimize
+
+    options = {"ftol": DECREASE, "maxiter": ITERATIONS}
+    with np.errstate(all="ignore"):
+        found = minimize(function, start, method="SLSQP", options=options, **problem)
+    end: Array = found.x
+    return end
 
 
 def _excess(scaled: _Scaled, z: Array) -> float:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,12 +48,12 @@ class Found:
     status: str
     why: str
     evaluation: Evaluation
-    slopes: Array | None
     prices: Array
     bound_prices: Array
     active: Flags
-    residual: float | None
-    remarks: tuple[str, ...]
+    slopes: Array | None = None
+    residual: float | None = None
+    remarks: tuple[str, ...] = ()
     errors: Array | None = None
     expected: Array | None = None
 
@@ -70,18 +70,14 @@ def found_at(
     that was computed.
     """
     design = evaluations.design
-    m, n = len(design.constraints), len(design.keys)
     if optimum is None or point is None:
-        best = best_of(evaluations.rows, design)
         why = remarks[-1] if remarks else "no search could begin"
-        return Found(
-            NOT_CONVERGED, why, best, None, np.zeros(m), np.zeros(n), np.zeros(m, bool), None, remarks
-        )  # fmt: skip
+        return replace(not_converged(evaluations, why), remarks=remarks)
     evaluation = evaluations.at(point)
     sign = design.sign
-    bound_prices = np.zeros(n)
+    bound_prices = np.zeros(len(design.keys))
     bound_prices[rest] = sign * optimum.bound_prices
-    slopes = np.full((1 + m, n), np.nan)
+    slopes = np.full((1 + len(design.constraints), len(design.keys)), np.nan)
     slopes[:, rest] = optimum.derivatives
     slopes[0] *= sign
     if optimum.converged:
@@ -104,8 +100,25 @@ def found_at(
             else "give a smaller solver.tolerance in the scene, or this point as start"
         )
     return Found(
-        status, why, evaluation, slopes, -sign * optimum.prices, bound_prices, optimum.active, optimum.residual, remarks
-    )  # fmt: skip
+        status,
+        why,
+        evaluation,
+        -sign * optimum.prices,
+        bound_prices,
+        optimum.active,
+        slopes,
+        optimum.residual,
+        remarks,
+    )
+
+
+def not_converged(evaluations: Evaluations, why: str) -> Found:
+    """Return the best point that was computed, of which no prices are known."""
+    design = evaluations.design
+    nothing = np.zeros(len(design.constraints))
+    best = best_of(evaluations.rows, design)
+    free = np.zeros(len(design.keys))
+    return Found(NOT_CONVERGED, why, best, nothing, free, nothing.astype(bool))
 
 
 def infeasible(design: Design, evaluation: Evaluation) -> str:

@@ -7,7 +7,7 @@ computes no run twice.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,7 +26,6 @@ from contbed.many.optimise.evaluations import (
 )
 from contbed.many.optimise.found import Found, costs, found_at
 from contbed.many.optimise.problem import Design
-from contbed.many.optimise.reach import warnings_at_start
 from contbed.many.optimise.reading import read_design
 from contbed.many.optimise.surrogate import require_sklearn
 from contbed.many.optimise.whole import best_choice
@@ -129,6 +128,38 @@ def optimise(
             found = by_gradient(evaluations)
     files.write(folder, todo, found, evaluations)
     return Optimisation(todo, found, evaluations.rows, evaluations.before, folder)
+
+
+def warnings_at_start(evaluations: Evaluations) -> Iterator[str]:
+    """Yield a sentence for each constraint that the gradient at the start does not
+    reach within the bounds, a hint before a long search; none with whole keys.
+
+        least excess = g(x_0) + sum_k min(dg/dx_k (low_k - x_k), dg/dx_k (high_k - x_k))
+
+    It is exact where a constraint is linear in the keys; each is taken alone.
+    """
+    design = evaluations.design
+    if not design.constraints or any(key.whole for key in design.keys):
+        return
+    excess = evaluations.at(design.start).values[1:]
+    try:
+        slopes = evaluations.derivatives(design.start, range(len(design.keys)))[1:]
+    except EvaluationFailed:
+        return  # the search reports why
+    steps = design.low - design.start, design.high - design.start
+    ends = np.stack([slopes * step for step in steps])
+    least = excess + ends.min(axis=0).sum(axis=1)
+    most = excess + ends.max(axis=0).sum(axis=1)
+    short = np.where(design.equality, np.maximum(least, -most), least)
+    for one, missed, still in zip(design.constraints, excess, short, strict=True):
+        if still > 0.0:
+            unit = behind(one.left.unit)
+            yield (
+                f'{one.at}: "{one.text}" is missed by {abs(missed):.4g}{unit} at the '
+                f"start and, by the gradient there, by {still:.4g}{unit} at the best "
+                "point within the bounds; widen them or change it if the search does "
+                "not find otherwise"
+            )
 
 
 def by_gradient(evaluations: Evaluations) -> Found:

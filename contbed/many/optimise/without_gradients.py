@@ -9,6 +9,8 @@ fitted.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from contbed.arrays import Array
@@ -19,8 +21,8 @@ from contbed.many.optimise.found import (
     NOT_CONVERGED,
     SETTLED,
     Found,
-    best_of,
     infeasible,
+    not_converged,
 )
 from contbed.many.optimise.surrogate import (
     Known,
@@ -129,14 +131,10 @@ def _found(evaluations: Evaluations, verdict: str, out_of_runs: bool) -> Found:
     """Return the best point by the surrogate, with the errors of its predicted
     values.
     """
-    design, m = evaluations.design, len(evaluations.design.constraints)
-    none = np.zeros(m), np.zeros(len(design.keys))
-    known = known_of(evaluations)
+    design = evaluations.design
+    known, found = known_of(evaluations), not_converged(evaluations, verdict)
     if np.isfinite(known.values).all(axis=1).sum() < 2:
-        best = best_of(evaluations.rows, design)
-        return Found(
-            NOT_CONVERGED, verdict, best, None, *none, np.zeros(m, bool), None, ()
-        )
+        return found
     surrogate = Surrogate(known)
     best_row, feasible = best_known(known, surrogate)
     best, z = evaluations.rows[best_row], known.z[best_row : best_row + 1]
@@ -159,16 +157,13 @@ def _found(evaluations: Evaluations, verdict: str, out_of_runs: bool) -> Found:
     active = np.abs(mean[1:]) <= np.maximum(
         CLEAR * error[1:], PROMISE * surrogate.size[1:]
     )
-    errors = np.array(error)
-    return Found(
-        status,
-        why,
-        best,
-        None,
-        *none,
-        active,
-        None,
-        (),
-        errors,
-        np.array([design.sign * mean[0], *mean[1:]]),
+    expected = np.array([design.sign * mean[0], *mean[1:]])
+    return replace(
+        found,
+        status=status,
+        why=why,
+        evaluation=best,
+        active=active,
+        errors=np.array(error),
+        expected=expected,
     )
