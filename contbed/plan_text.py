@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from contbed.models import Plan, model_of
 from contbed.scene.toml_lines import dotted
+
+Rows = tuple[tuple[str, str], ...]
+
+
+def built_and_skipped(parts: Iterable[tuple[str, str, bool]]) -> tuple[Rows, Rows]:
+    """Return what is built, with how, and what is left out, with why, of parts
+    (what, how or why, whether it is built).
+    """
+    found = list(parts)
+    built = tuple((what, how) for what, how, there in found if there)
+    skipped = tuple((what, why) for what, why, there in found if not there)
+    return built, skipped
 
 
 def plan_text(plan: Plan, *more: str) -> str:

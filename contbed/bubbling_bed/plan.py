@@ -4,7 +4,7 @@ and what is left out.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from types import SimpleNamespace
@@ -21,7 +21,7 @@ from contbed.closures import optics
 from contbed.errors import SceneError
 from contbed.mesh.grading import equidistributed, graded
 from contbed.mesh.mesh import Mesh, refine
-from contbed.plan_text import plan_text
+from contbed.plan_text import Rows, built_and_skipped, plan_text
 from contbed.scene.mechanism import find_mechanism
 from contbed.scene.mesh import REGION
 from contbed.solvers.linear import Policy
@@ -45,8 +45,8 @@ class BubblingPlan:
     scene: b.BubblingScene
     coefficients: model.Coefficients
     mesh: Mesh
-    built: tuple[tuple[str, str], ...]
-    skipped: tuple[tuple[str, str], ...]
+    built: Rows
+    skipped: Rows
     steps: bool = False
 
     @property
@@ -109,15 +109,22 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
     )
     layers = predicted_layers(c, scene.bubbling_bed.height, _hot(scene), finest)
     mesh = _mesh(scene, layers)
-    built = [
-        ("mesh, 1-D", f"{mesh.skfem.nelements} cells, graded to {len(layers)} layers")
-    ]
-    built += [(f"solids {name}", f"degree {scene.solver.degree}") for name in c.species]
-    skipped = [
-        (f"solids {name}", "volume_share is 0")
-        for name in scene.solids
-        if name not in c.species
-    ]
+    return BubblingPlan(
+        scene, c, mesh, *built_and_skipped(_parts(scene, c, mesh, len(layers)))
+    )
+
+
+def _parts(
+    scene: b.BubblingScene, c: model.Coefficients, mesh: Mesh, layers: int
+) -> Iterator[tuple[str, str, bool]]:
+    """Yield the parts of a bed, see `built_and_skipped`."""
+    cells = f"{mesh.skfem.nelements} cells, graded to {layers} layers"
+    yield "mesh, 1-D", cells, True
+    for name in c.species:
+        yield f"solids {name}", f"degree {scene.solver.degree}", True
+    for name in scene.solids:
+        if name not in c.species:
+            yield f"solids {name}", "volume_share is 0", False
     levels = {
         "paper": "among the solid phases at one height, algebraic",
         "pairwise": "between pairs of solid phases at one height",
@@ -157,14 +164,13 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
         ),
         (c.level != "none", "radiation", levels.get(c.level, ""), "level none"),
     ):
-        (built if there else skipped).append((what, how if there else why))
-    if c.chemistry is not None:
-        built.append(("gases", ", ".join(c.chemistry.part.gases)))
-        if c.chemistry.names:
-            built.append(("reactions", ", ".join(c.chemistry.names)))
-    else:
-        skipped.append(("reactions", "no [reactions] table"))
-    return BubblingPlan(scene, c, mesh, tuple(built), tuple(skipped))
+        yield what, how if there else why, there
+    if c.chemistry is None:
+        yield "reactions", "no [reactions] table", False
+        return
+    yield "gases", ", ".join(c.chemistry.part.gases), True
+    if c.chemistry.names:
+        yield "reactions", ", ".join(c.chemistry.names), True
 
 
 def coefficients(

@@ -52,7 +52,7 @@ from contbed.packed_bed.schedule import (
 )
 from contbed.packed_bed.schedule_checks import require_flow, require_plug_flow
 from contbed.packed_bed.sides import lines_of, on_a_line
-from contbed.plan_text import plan_text
+from contbed.plan_text import Rows, built_and_skipped, plan_text
 from contbed.scene.mesh import SIDE, MeshAxisymmetric, MeshFile, MeshLine
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
@@ -85,8 +85,8 @@ class Plan:
     coordinate: str
     plug: bool
     fronts: bool
-    built: tuple[tuple[str, str], ...]
-    skipped: tuple[tuple[str, str], ...]
+    built: Rows
+    skipped: Rows
     schedule: Schedule = field(default_factory=lambda: Schedule({}))
     inside: Inside | None = None  # how the level of intraparticle conduction was chosen
 
@@ -395,16 +395,12 @@ def plan(scene: s.Scene) -> Plan:
     fluid = fluid_of(scene.gas, scene.origin)
     require_properties(fluid, scene)
     scene, thick = cheapest(scene)
-    built: list[tuple[str, str]] = []
-    skipped: list[tuple[str, str]] = []
     inside = _inside(schedule, scene)
     scene = resolved(scene, inside)
     medium = Medium.of(scene, fluid)
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
     lines, sides = lines_of(flows, medium, bool(schedule))
     line = lines[0] if all(lines) else None
-    if line is not None:
-        skipped.append(("2-D and 3-D mesh", sides))
     target, section = line or (scene, 1.0)
     grid = target.mesh
     fronts = not schedule and tracks_fronts(target, medium)
@@ -445,31 +441,19 @@ def plan(scene: s.Scene) -> Plan:
     of_line = "z" if isinstance(scene.mesh, MeshAxisymmetric) else "xyz"
     coordinate = ("rz" if mesh.axisymmetric else of_line)[mesh.axis]
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
-    built.append(
-        (
-            f"mesh, {mesh.skfem.dim()}-D",
-            f"{cells}; {sides}" if sides and line is None else cells,
+    dim = mesh.skfem.dim()
+    parts = [("2-D and 3-D mesh", sides, False)] if line is not None else []
+    text = f"{cells}; {sides}" if sides and line is None else cells
+    parts.append((f"mesh, {dim}-D", text, True))
+    if automatic and dim > 1 and scene.time is None:
+        text = (
+            "estimated in each direction; new meshes until solver.tolerance is met, "
+            f"{AUTOMATIC_CELLS[dim]} cells at most"
         )
-    )
-    if automatic and mesh.skfem.dim() > 1 and scene.time is None:
-        most = f"{AUTOMATIC_CELLS[mesh.skfem.dim()]} cells at most"
-        built.append(
-            (
-                "errors",
-                "estimated in each direction; new meshes until solver.tolerance is "
-                f"met, {most}",
-            )
-        )
-    (skipped if plug else built).append(
-        (
-            "porous flow",
-            _described_plug(scene, medium) if plug else "Taylor-Hood, Newton",
-        )
-    )
-    for item, text, is_built in parts_of_heat(
-        scene, medium, schedule, inside, thick, fronts
-    ):
-        (built if is_built else skipped).append((item, text))
+        parts.append(("errors", text, True))
+    text = _described_plug(scene, medium) if plug else "Taylor-Hood, Newton"
+    parts.append(("porous flow", text, not plug))
+    parts += parts_of_heat(scene, medium, schedule, inside, thick, fronts)
     return Plan(
         written,
         target,
@@ -482,8 +466,7 @@ def plan(scene: s.Scene) -> Plan:
         coordinate,
         plug,
         fronts,
-        tuple(built),
-        tuple(skipped),
+        *built_and_skipped(parts),
         schedule,
         inside,
     )

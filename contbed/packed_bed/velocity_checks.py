@@ -21,23 +21,22 @@ def velocities_fit_the_mesh(mesh: Mesh, boundary: Boundaries, see: See) -> Mista
     enter where they are given.
     """
     for phase, name, value, key in velocities_given(boundary):
-        radial = 0.0
-        if isinstance(mesh, MeshAxisymmetric):
-            into = value if name == "wall" else 0.0
-            radial = value[0] if isinstance(value, tuple) else into
-        if isinstance(value, tuple) and len(value) != mesh.dimension:
+        vector = isinstance(value, tuple)
+        if vector and len(value) != mesh.dimension:
             yield (
                 key,
                 f"has {len(value)} components, the mesh has {mesh.dimension} "
                 f"dimensions; see {see('mesh.type')}",
             )
-        elif radial:
+        elif isinstance(mesh, MeshAxisymmetric) and (
+            value[0] if vector else value and name == "wall"
+        ):
             yield (
                 key,
                 "the radial velocity is 0 in an axisymmetric bed; see "
                 f"{see('mesh.type')}",
             )
-        elif isinstance(value, tuple) and any(value) and enters(mesh, value, name) == 0:
+        elif vector and any(value) and enters(mesh, value, name) == 0:
             yield (
                 key,
                 f"runs along '{name}'; give it at the boundary where the "

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from contbed.chemistry.effectiveness import effectiveness_of
 from contbed.chemistry.kinetics import rates_of
 from contbed.course.schedule import Schedule
-from contbed.plan_text import plan_text
+from contbed.plan_text import Rows, built_and_skipped, plan_text
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import follows
@@ -25,7 +25,7 @@ from contbed.reacting_bed.feeds import (
     require_gas_left,
     with_cells_of_one_value,
 )
-from contbed.reacting_bed.pellet_level import decided
+from contbed.reacting_bed.pellet_level import PelletLevel, decided
 from contbed.reacting_bed.phases import described_phases, species_of
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.radial_need import across
@@ -52,8 +52,8 @@ class Plan:
     problem: Problem
     schedule: Schedule
     stores_gas: bool
-    built: tuple[tuple[str, str], ...]
-    skipped: tuple[tuple[str, str], ...]
+    built: Rows
+    skipped: Rows
     mesh: None = None
 
     @property
@@ -104,33 +104,39 @@ def plan(scene: s.ReactingScene) -> Plan:
     stores_gas, reason = _gas_storage(scene, problem, schedule, little_left)
     if stores_gas and little_left:
         problem = with_cells_of_one_value(problem)
-    built, skipped = _lists(scene, problem, schedule)
-    if level is not None and level.resolved:
-        built = [
-            (what, f"{text}; {level}" if what == PELLETS else text)
-            for what, text in built
-        ]
-    elif level is not None:
-        skipped.append((PELLETS, str(level)))
-    if scene.time is not None and scene.initial.file is not None:
+    parts = _parts(scene, problem, schedule, level)
+    in_time = _parts_in_time(scene, problem, schedule, (stores_gas, reason))
+    both = built_and_skipped([*parts, *in_time])
+    return Plan(scene, problem, schedule, stores_gas, *both)
+
+
+def _parts_in_time(
+    scene: s.ReactingScene,
+    problem: Problem,
+    schedule: Schedule,
+    storage: tuple[bool, str],
+) -> Iterator[tuple[str, str, bool]]:
+    """Yield what a run in time needs, see `built_and_skipped`; `storage` says whether
+    the gas is stored, and why.
+    """
+    if scene.time is None:
+        return
+    from contbed.course.described import described_steps
+
+    if scene.initial.file is not None:
         from contbed.reacting_bed.initial import profile_of
 
         initial = profile_of(scene, problem)
-        built.append(("state at the start", initial.described(problem, stores_gas)))
-    if scene.time is not None:
-        from contbed.course.described import described_steps
-
-        built.append(("steps", described_steps(scene.time, schedule)))
-        (built if stores_gas else skipped).append(("storage in the gas", reason))
-        if scene.time.cycle is not None:
-            built.append(
-                (
-                    "cyclic steady state",
-                    "periods until one closes, of which the run is the last; the time "
-                    "is that of one",
-                )
-            )
-    return Plan(scene, problem, schedule, stores_gas, tuple(built), tuple(skipped))
+        yield "state at the start", initial.described(problem, storage[0]), True
+    yield "steps", described_steps(scene.time, schedule), True
+    yield "storage in the gas", storage[1], storage[0]
+    if scene.time.cycle is not None:
+        yield (
+            "cyclic steady state",
+            "periods until one closes, of which the run is the last; the time is that "
+            "of one",
+            True,
+        )
 
 
 def _built(scene: s.ReactingScene) -> tuple[Schedule, Problem]:
@@ -259,116 +265,94 @@ def _followed(problem: Problem) -> str:
     )
 
 
-def _lists(
-    scene: s.ReactingScene, problem: Problem, schedule: Schedule
-) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
+def _parts(
+    scene: s.ReactingScene,
+    problem: Problem,
+    schedule: Schedule,
+    level: PelletLevel | None,
+) -> Iterator[tuple[str, str, bool]]:
+    """Yield the parts of a bed, see `built_and_skipped`."""
     layout, species = problem.layout, problem.species
-    built = [
-        (
-            "cells",
-            f"{problem.line.cells} initially, polynomials of degree "
-            f"{problem.line.degree}{_followed(problem)}",
-        ),
-        ("gas", f"{', '.join(layout.gases)}: mole fluxes"),
-    ]
-    skipped: list[tuple[str, str]] = []
+    cells = (
+        f"{problem.line.cells} initially, polynomials of degree {problem.line.degree}"
+    )
+    yield "cells", f"{cells}{_followed(problem)}", True
+    yield "gas", f"{', '.join(layout.gases)}: mole fluxes", True
     if layout.solids:
-        built.append(("solids", f"{', '.join(layout.solids)}: moles per volume"))
+        yield "solids", f"{', '.join(layout.solids)}: moles per volume", True
     inert = [name for name in species.solids if name not in layout.solids]
     if inert:
-        skipped.append(
-            (
-                f"unknowns of {', '.join(inert)}",
-                "inert: no reaction consumes or forms it",
-            )
-        )
+        why = "inert: no reaction consumes or forms it"
+        yield f"unknowns of {', '.join(inert)}", why, False
     several = len(scene.solids) > 1
     if several:
-        built.append(("solid phases", described_phases(scene.solids)))
-    if layout.temperatures:
-        count = len(layout.temperatures)
+        yield "solid phases", described_phases(scene.solids), True
+    if count := len(layout.temperatures):
         each = f"{count} temperatures: of the gas, and of {', '.join(scene.solids)}"
-        built.append(
-            ("energy", {1: "one temperature", 2: "two temperatures"}.get(count, each))
-        )
+        known = {1: "one temperature", 2: "two temperatures"}
+        yield "energy", known.get(count, each), True
     else:
-        skipped.append(
-            ("energy", f"no [heat] table: isothermal at {problem.streams.T_gas:g} K")
-        )
-    if layout.pressure:
-        built.append(("pressure", "by closures.permeability and closures.forchheimer"))
-    elif scene.packed_bed.pressure_drop == "none":
-        skipped.append(("pressure", 'packed_bed.pressure_drop = "none"'))
-    else:
-        skipped.append(
-            ("pressure", "its drop is below 0.1 %, or no viscosity is known")
-        )
-    closures = scene.closures
-    if closures.sherwood is None and closures.dispersion_mass is None:
-        skipped.append(
-            (
-                "films and dispersion of species",
-                "no closures.sherwood, no closures.dispersion_mass",
-            )
-        )
-    else:
-        if closures.dispersion_mass is not None:
-            built.append(("dispersion of species", "axial"))
-        if layout.films:
-            built.append(("films", f"{', '.join(layout.films)} at the particles"))
-        elif closures.sherwood is not None and not (
-            layout.inside or any(r.own_film for r in problem.reactions)
-        ):
-            skipped.append(("films", "no reaction at particles needs them"))
+        T = problem.streams.T_gas
+        yield "energy", f"no [heat] table: isothermal at {T:g} K", False
+    yield "pressure", _described_pressure(problem), layout.pressure
+    yield from _parts_of_species(problem)
     across_it = across(problem)
     if problem.rings is not None:
-        built.append(
-            (
-                "the section",
-                f"{problem.rings.count} {PARTS[problem.rings.shape]}"
-                + (f"; {across_it}" if across_it else ""),
-            )
-        )
+        rings = f"{problem.rings.count} {PARTS[problem.rings.shape]}"
+        yield "the section", f"{rings}; {across_it}" if across_it else rings, True
     elif across_it is not None:
         advice = "" if across_it.fits else ". Add [packed_bed.section] to resolve it"
-        skipped.append(
-            ("differences across the bed", f"one dimension: {across_it}{advice}")
-        )
+        text = f"one dimension: {across_it}{advice}"
+        yield "differences across the bed", text, False
     for phase, choice in problem.choices.items():
         by = f" by {phase}" if several else ""
-        built.append(
-            (
-                f"adsorption of {', '.join(scene.solids[phase].adsorption)}{by}",
-                str(choice),
-            )
-        )
-    if problem.pellets:
-        built.append(
-            (
-                PELLETS,
-                "; ".join(_effectiveness(problem, phase) for phase in problem.pellets),
-            )
-        )
+        gases = ", ".join(scene.solids[phase].adsorption)
+        yield f"adsorption of {gases}{by}", str(choice), True
+    pellets = [_effectiveness(problem, phase) for phase in problem.pellets]
+    if pellets:
+        chosen = [str(level)] if level is not None and level.resolved else []
+        yield PELLETS, "; ".join(pellets + chosen), True
+    if level is not None and not level.resolved:
+        yield PELLETS, str(level), False
     for name, table in scene.reactions.items():
         if table.surface is not None:
             text = (
                 f"{table.surface} of {Path(str(table.mechanism)).name}, coverages in "
                 "steady state with the gas at each point"
             )
-            built.append((f"surface of {name}", text))
+            yield f"surface of {name}", text, True
     for reaction in problem.reactions:
         where = "at the particles" + (f", {reaction.phase}" if several else "")
-        built.append(
-            (
-                f"reaction {reaction.name}",
-                "in the gas" if reaction.site == "gas" else where,
-            )
-        )
+        place = "in the gas" if reaction.site == "gas" else where
+        yield f"reaction {reaction.name}", place, True
     if schedule:
         assert scene.time is not None
         keys = ", ".join(
             ".".join(str(part) for part in path) for path in schedule.samples
         )
         pieces = len(schedule.cuts(scene.time.end, kinks_passed(schedule, scene))) - 1
-        built.append(("time series", f"{keys}, in {pieces} pieces"))
-    return built, skipped
+        yield "time series", f"{keys}, in {pieces} pieces", True
+
+
+def _described_pressure(problem: Problem) -> str:
+    if problem.layout.pressure:
+        return "by closures.permeability and closures.forchheimer"
+    if problem.scene.packed_bed.pressure_drop == "none":
+        return 'packed_bed.pressure_drop = "none"'
+    return "its drop is below 0.1 %, or no viscosity is known"
+
+
+def _parts_of_species(problem: Problem) -> Iterator[tuple[str, str, bool]]:
+    """Yield the films and the dispersion of species."""
+    closures, layout = problem.scene.closures, problem.layout
+    if closures.sherwood is None and closures.dispersion_mass is None:
+        why = "no closures.sherwood, no closures.dispersion_mass"
+        yield "films and dispersion of species", why, False
+        return
+    if closures.dispersion_mass is not None:
+        yield "dispersion of species", "axial", True
+    own_films = any(reaction.own_film for reaction in problem.reactions)
+    if layout.films:
+        yield "films", f"{', '.join(layout.films)} at the particles", True
+    elif closures.sherwood is not None and not (layout.inside or own_films):
+        yield "films", "no reaction at particles needs them", False

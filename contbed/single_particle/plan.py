@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from contbed.plan_text import plan_text
+from contbed.plan_text import Rows, built_and_skipped, plan_text
 from contbed.single_particle.scene import SingleParticleScene
 from contbed.solvers.linear import Policy
 
@@ -14,8 +15,8 @@ class Plan:
     """The scene and the choices."""
 
     scene: SingleParticleScene
-    built: tuple[tuple[str, str], ...]
-    skipped: tuple[tuple[str, str], ...]
+    built: Rows
+    skipped: Rows
     mesh: None = None
     steps: bool = False
 
@@ -40,26 +41,22 @@ class Plan:
 
 def plan(scene: SingleParticleScene) -> Plan:
     """Say what is built for a scene."""
-    cells = scene.single_particle.cells
-    constituents = scene.solid.constituent
-    skipped = []
-    built = [
-        (
-            "particle",
-            f"{cells} shells, {len(constituents)} constituents, transient, TR-BDF2",
-        )
-    ]
-    if scene.reactions:
-        built.append(("reactions", f"{len(scene.reactions)} of first order"))
-    else:
-        skipped.append(("reactions", "no [reactions] table"))
+    return Plan(scene, *built_and_skipped(_parts(scene)))
+
+
+def _parts(scene: SingleParticleScene) -> Iterator[tuple[str, str, bool]]:
+    """Yield the parts of a particle, see `built_and_skipped`."""
+    cells, count = scene.single_particle.cells, len(scene.solid.constituent)
+    text = f"{cells} shells, {count} constituents, transient, TR-BDF2"
+    yield "particle", text, True
+    count = len(scene.reactions)
+    text = f"{count} of first order" if count else "no [reactions] table"
+    yield "reactions", text, count > 0
     if scene.surface.fixed_temperature is not None:
-        built.append(("surface", "held at the temperature given"))
+        yield "surface", "held at the temperature given", True
     else:
-        how = "convection" + (
-            " and radiation" if scene.surface.emissivity is not None else ""
-        )
-        built.append(("surface", f"heated by {how}"))
+        radiates = scene.surface.emissivity is not None
+        how = "convection and radiation" if radiates else "convection"
+        yield "surface", f"heated by {how}", True
     if scene.gas.heat_capacity == 0.0:
-        skipped.append(("heat carried by the gas", "gas.heat_capacity is 0"))
-    return Plan(scene, tuple(built), tuple(skipped))
+        yield "heat carried by the gas", "gas.heat_capacity is 0", False
