@@ -93,9 +93,7 @@ def estimated(
         scale = float(np.linalg.norm(plan.velocity)) or 1.0
         corners = _corners(
             plan,
-            lambda a, b: (
-                {plan.conditions[a], plan.conditions[b]} == {"inlet", "no_slip"}
-            ),
+            lambda a, b: {plan.roles[a], plan.roles[b]} == {"inlet", "no_slip"},
         )
         limit = min(FLOW_TOLERANCE, FLOW_RATIO * tolerance)
         for k, values in enumerate(flow.velocity):

@@ -147,11 +147,10 @@ def solved_flow(
     Inlet nodes keep the inlet velocity also where a no-slip wall begins, so that the
     volume flow is the prescribed one.
     """
-    plan = replace(plan, velocity=plan.velocity * share)
-    equations = equations_of(plan, local)
+    equations = equations_of(plan, local, None, share)
     system = equations.system
     state = np.zeros(system.size)
-    system.part(state, "u")[:] = plan.velocity[:, None]
+    system.part(state, "u")[:] = share * plan.velocity[:, None]
     if before is not None:
         _carry(before, system, state)
     state, history = newton(
@@ -166,13 +165,16 @@ def solved_flow(
 
 
 def equations_of(
-    plan: Any, local: LocalProperties | None, system: System | None = None
+    plan: Any,
+    local: LocalProperties | None,
+    system: System | None = None,
+    share: float = 1.0,
 ) -> FlowEquations:
     """Return the discrete equations of the flow of a plan; see `flow_equations`."""
-    c, inlet = coefficients(plan), plan.velocity
+    c, inlet = coefficients(plan), share * plan.velocity
     if plan.curved_inlet:
         inlet = float(np.linalg.norm(inlet))
-    return flow_equations(plan.mesh, c, inlet, plan.conditions, local, system)
+    return flow_equations(plan.mesh, c, inlet, plan.roles, local, system)
 
 
 @dataclass(frozen=True)
@@ -206,15 +208,15 @@ def flow_equations(
     mesh: Mesh,
     c: porous_flow.Coefficients,
     inlet: Any,
-    conditions: dict[str, str],
+    roles: dict[str, str],
     local: LocalProperties | None = None,
     system: System | None = None,
 ) -> FlowEquations:
     """Return the discrete equations of a flow; see `solved_flow`.
 
     `inlet` is a vector, or the speed along the normals of a curved inlet [m/s];
-    `conditions` maps each boundary to inlet, outlet, no_slip or slip; `system` is that
-    of an earlier flow on this mesh.
+    `roles` maps each boundary to inlet, outlet, no_slip or slip; `system` is that of an
+    earlier flow on this mesh.
     """
     dim = mesh.skfem.dim()
     # of the drag where the fluid moves with the bed
@@ -224,7 +226,7 @@ def flow_equations(
     velocities = np.full(system.size, np.nan)
     curved = np.ndim(inlet) == 0
     of_kind = {
-        kind: [name for name, condition in conditions.items() if condition == kind]
+        kind: [name for name, role in roles.items() if role == kind]
         for kind in ("slip", "no_slip", "inlet")
     }
     for kind, names in of_kind.items():
@@ -243,7 +245,7 @@ def flow_equations(
     given = np.flatnonzero(np.isfinite(velocities))
     fixed = given
     # between walls the pressure is known but for a constant
-    if "outlet" not in conditions.values():
+    if "outlet" not in roles.values():
         pinned = system.nodes("p", next(iter(mesh.skfem.boundaries.values())))[:1]
         fixed = np.unique(np.concatenate([given, pinned]))
     if local is not None:

@@ -269,7 +269,7 @@ def _inlet(plan: Plan, interval: ScheduleInterval | None, time: float) -> float 
 
 
 def _inlets(plan: Plan) -> list[str]:
-    return [name for name, kind in plan.conditions.items() if kind == "inlet"]
+    return [name for name, kind in plan.roles.items() if kind == "inlet"]
 
 
 def _volume_flow(plan: Plan, problem: Any) -> float:

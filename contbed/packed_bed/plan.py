@@ -14,6 +14,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -38,7 +39,7 @@ from contbed.packed_bed.radiation import cheapest
 from contbed.packed_bed.recognition import (
     curved_inlet,
     is_plug_flow,
-    role_in_flow,
+    roles_in_flow,
     tracks_fronts,
     velocities,
     with_vectors,
@@ -69,9 +70,8 @@ class Plan:
     """What a run builds: `scene` as written, `solved` the scene after reduction to a
     line and to a cheaper radiation.
 
-    `velocity` and `velocity_solid` are vectors on `mesh`, `section` is the
-    cross-section [m2] of a reduced bed, `conditions` has one entry for each boundary.
-    Where a `schedule` changes values, all this holds at the start.
+    `section` is the cross-section [m2] of a reduced bed. Where a `schedule` changes
+    values, all this holds at the start.
     """
 
     scene: s.Scene
@@ -79,9 +79,6 @@ class Plan:
     medium: Medium
     mesh: Mesh
     section: float
-    velocity: Any
-    velocity_solid: Any
-    conditions: dict[str, str]
     coordinate: str
     plug: bool
     fronts: bool
@@ -97,6 +94,21 @@ class Plan:
         mesh = self.scene.mesh
         low, high = mesh.sides[mesh.axis]  # type: ignore[union-attr]
         return {"left": low, "right": high}[boundary]
+
+    @cached_property
+    def velocity(self) -> Any:
+        """Superficial velocity of the fluid, a vector on the mesh [m/s]."""
+        return velocities(self.solved)[0]
+
+    @cached_property
+    def velocity_solid(self) -> Any:
+        """Superficial velocity of the particles, a vector on the mesh [m/s]."""
+        return velocities(self.solved)[1]
+
+    @cached_property
+    def roles(self) -> dict[str, str]:
+        """What each boundary is to the flow, see `roles_in_flow`."""
+        return roles_in_flow(self.solved, self.mesh)
 
     @property
     def speed(self) -> float:
@@ -241,23 +253,11 @@ class Plan:
         """Return the plan with the velocities and the inlet temperature of a scene that
         is solved.
         """
-        velocity, solid = velocities(target)
         medium = replace(
             Medium.of(target, self.medium.fluid),
             bed_diameter=self.medium.bed_diameter,
         )
-        conditions = {
-            name: role_in_flow(target, self.mesh, name, velocity)
-            for name in self.mesh.boundaries
-        }
-        return replace(
-            self,
-            solved=target,
-            medium=medium,
-            velocity=velocity,
-            velocity_solid=solid,
-            conditions=conditions,
-        )
+        return replace(self, solved=target, medium=medium)
 
     def at(self, times: Sequence[float]) -> list[Plan]:
         """Return the plan with the velocities and the mass flux at each of these
@@ -325,7 +325,6 @@ class Plan:
         medium = Medium.of(target, fluid)
         line = None if self.solved.mesh is self.scene.mesh else on_a_line(target)
         target, section = line or (with_vectors(target, self.mesh), 1.0)
-        velocity, solid = velocities(target)
         return replace(
             self,
             scene=written,
@@ -334,8 +333,6 @@ class Plan:
             medium=medium,
             mesh=moved(self.mesh, self.solved.mesh, target.mesh),
             section=section,
-            velocity=velocity,
-            velocity_solid=solid,
         )
 
     def on(self, vertices: Any) -> Plan:
@@ -417,7 +414,6 @@ def plan(scene: s.Scene) -> Plan:
     ]
     require_names(target.origin, mesh, {"boundary": ends, "region": target.region})
     target = with_vectors(target, mesh)
-    velocity, solid = velocities(target)
     if not isinstance(grid, MeshLine):
         of_file = isinstance(grid, MeshFile)
         boundary = target.boundary if of_file else written.boundary
@@ -432,10 +428,7 @@ def plan(scene: s.Scene) -> Plan:
             "cells are refined by errors; use triangles, leave out mesh.cells, or use "
             "mesh.refine for all cells"
         )
-    conditions = {
-        name: role_in_flow(target, mesh, name, velocity) for name in mesh.boundaries
-    }
-    plug = is_plug_flow(target, mesh, conditions, velocity)
+    plug = is_plug_flow(target, mesh)
     if not plug:
         require_plug_flow(written)
     of_line = "z" if isinstance(scene.mesh, MeshAxisymmetric) else "xyz"
@@ -460,9 +453,6 @@ def plan(scene: s.Scene) -> Plan:
         medium,
         mesh,
         section,
-        velocity,
-        solid,
-        conditions,
         coordinate,
         plug,
         fronts,

@@ -219,9 +219,13 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
     return "slip" if abs(across) <= 1e-9 else "inlet" if across < 0 else "outlet"
 
 
-def is_plug_flow(
-    scene: s.Scene, mesh: Mesh, conditions: dict[str, str], velocity: Any
-) -> bool:
+def roles_in_flow(scene: s.Scene, mesh: Mesh) -> dict[str, str]:
+    """Return "inlet", "outlet", "slip" or "no_slip" of each boundary."""
+    velocity = velocities(scene)[0]
+    return {name: role_in_flow(scene, mesh, name, velocity) for name in mesh.boundaries}
+
+
+def is_plug_flow(scene: s.Scene, mesh: Mesh) -> bool:
     """Return whether the velocity is that of the inlet everywhere: where nothing
     sticks to a wall, no wall is in the way, and the outlet is across the flow.
 
@@ -230,7 +234,8 @@ def is_plug_flow(
     SceneError : a slip wall is oblique to the flow, or it is not clear where the gas
         leaves
     """
-    if "no_slip" in conditions.values():
+    roles, velocity = roles_in_flow(scene, mesh), velocities(scene)[0]
+    if "no_slip" in roles.values():
         return False
     typed = {name for name, table in scene.boundary.items() if table.type is not None}
     if not np.any(velocity) or not (typed or isinstance(scene.mesh, MeshFile)):
@@ -241,7 +246,7 @@ def is_plug_flow(
     from contbed.packed_bed.flow import is_across, is_along, slip_axis
 
     file = scene.origin.name
-    walls = [name for name, kind in conditions.items() if kind == "slip"]
+    walls = [name for name, kind in roles.items() if kind == "slip"]
     if curved_inlet(scene):
         with _of_file(file):
             for name in walls:
@@ -249,13 +254,11 @@ def is_plug_flow(
         return False
     beside = [
         name
-        for name, kind in conditions.items()
+        for name, kind in roles.items()
         if kind == "outlet" and name in typed and not is_across(mesh, name, velocity)
     ]
     unsaid = [
-        name
-        for name, kind in conditions.items()
-        if kind == "outlet" and name not in typed
+        name for name, kind in roles.items() if kind == "outlet" and name not in typed
     ]
     if beside and unsaid:
         raise SceneError(

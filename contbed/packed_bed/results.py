@@ -45,7 +45,7 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
     pressure = line.whole.probe(of_pressure, flow.pressure)
     speed = np.sqrt((velocity**2).sum(axis=0))
     axis_of_bed = np.eye(len(velocity))[axis]
-    ends = [name for name, kind in plan.conditions.items() if kind in PASSED]
+    ends = [name for name, kind in plan.roles.items() if kind in PASSED]
     straight = all(is_across(plan.mesh, name, axis_of_bed) for name in ends)
     leaving = np.abs(velocity[axis]) if straight else speed
     outlet = leaving[space.on_facets(_facets(plan, "outlet"))]
@@ -71,8 +71,8 @@ def _facets(plan: Plan, kind: str) -> Any:
     """Return the facets of all boundaries of a kind of flow."""
     found = [
         plan.mesh.skfem.boundaries[name]
-        for name, condition in plan.conditions.items()
-        if condition == kind
+        for name, role in plan.roles.items()
+        if role == kind
     ]
     return np.concatenate([np.zeros(0, dtype=int), *found])
 

@@ -66,7 +66,7 @@ def report_flow(plan: Plan, line: Line, flow: Any, result: Result) -> None:
     outflow = {name: flow.outflow(name) / flow.share for name in plan.mesh.boundaries}
     floor = 0.0
     # nothing crosses walls; what moves between them is the scale
-    if "outlet" not in plan.conditions.values():
+    if "outlet" not in plan.roles.values():
         extents = np.ptp(plan.mesh.skfem.p, axis=1)
         floor = (plan.speed or AT_REST) * float(extents.prod() / extents.max())
     balance = Balance.of_fluxes((-v for v in outflow.values()), "m3/s", floor=floor)
