@@ -147,10 +147,10 @@ def with_vectors(scene: s.Scene, mesh: Mesh) -> s.Scene:
     ------
     SceneError : a curved boundary gives the speed of solids, or of a gas that leaves
     """
-    from contbed.packed_bed.flow import constant_normal
-
     if not isinstance(scene.mesh, MeshFile):
         return scene
+    from contbed.packed_bed.flow import constant_normal
+
     for phase, name, speed, key in velocities_given(scene.boundary):
         if isinstance(speed, tuple):
             continue
