@@ -142,5 +142,5 @@ def explained(problem: Any) -> str:
         )
     return (
         f"{text}: {found.surplus * MEGA:.3g} MW are left over{even}, so that heat does "
-        "not forbid a burning bed: particles or gas do not stay long enough to burn"
+        "not forbid a burning bed: its particles and gas may have too little time to burn"
     )

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from contbed.bubbling_bed.closures import BUBBLES
+from contbed.chemistry.elements import ATOMIC_WEIGHTS
 
 BARELY = 0.05  # excess gas over u_mf below which a place counts as barely fluidized
 WIDE = 2.0  # diameter of bubbles over that of the bed beyond which the run warns
@@ -21,7 +22,7 @@ def explain(problem: Any, states: list[Any]) -> str:
     has failed: the first known cause.
     """
     for x in states:
-        for cause in (temperatures, fluidization):
+        for cause in (temperatures, fluidization, char):
             if (text := cause(problem, x)) is not None:
                 return text
     return _residual(problem, states[-1])
@@ -102,6 +103,35 @@ def fluidization(problem: Any, x: Any) -> str | None:
     )
 
 
+def char(problem: Any, x: Any) -> str | None:
+    """Say that char piles up, as no oxygen is left where it is; None where it does
+    not.
+    """
+    scene, chemistry = problem.plan.scene, problem.chemistry
+    if scene.fuel is None or "n_char" not in problem.c.fields:
+        return None
+    part, fuel = chemistry.part, scene.solids[scene.fuel].fuel
+    volume = problem.system.part(x, "n_char").max() * ATOMIC_WEIGHTS["C"]
+    share = volume / fuel.char_density / (part.section * (1.0 - part.voidage))
+    if not share > 1.0:
+        return None
+    text = (
+        f"char piles up to {share:.3g} times the volume of all particles, as it burns "
+        "more slowly than it is fed"
+    )
+    bubbles = ""
+    if "bubble" in part.phases and "O2" in part.gases:
+        N = problem.system.part(x, "N_O2_bubble")
+        entering = part.inlet["O2"] * chemistry.inlet_flow
+        passing = N[np.argmax(problem.space.points[0])] / entering
+        text += f" (bubbles carry {100 * passing:.3g} % of the oxygen through the bed)"
+        bubbles = (
+            "smaller bubbles (bubbling_bed.bubbles.size as a number), a faster "
+            "bubbles.gas_exchange, "
+        )
+    return f"{text}: give {bubbles}less fuel, more oxygen, or a bubbling_bed.drain"
+
+
 def flows_down(scene: Any, u_e: Any, z: Any) -> str | None:
     """Say where a closure lets gas flow down, by `u_e` [m/s] in the emulsion at
     heights `z` [m]; None where nowhere.
@@ -132,8 +162,11 @@ def _residual(problem: Any, x: Any) -> str:
     }
     worst = max(share, key=lambda name: float(np.nanmax(share[name], initial=0.0)))
     k = int(np.nanargmax(np.nan_to_num(share[worst])))
+    bubbles = ""
+    if problem.c.computed is not None and problem.c.computed.grows:
+        bubbles = "bubbling_bed.bubbles.size as a number, "
     return (
-        f"the balance of {worst} is missed most, at {z[k]:.3g} m; start from another "
-        "initial.temperature, or refine the mesh by mesh.refine = "
+        f"the balance of {worst} is missed most, at {z[k]:.3g} m; give another "
+        f"initial.temperature, {bubbles}or a finer mesh by mesh.refine = "
         f"{problem.plan.scene.mesh.refine + 1}"
     )

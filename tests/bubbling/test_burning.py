@@ -13,6 +13,7 @@ from pytest import approx
 import contbed
 from contbed.bubbling_bed.burning import BURNING, explained, heat_balance
 from contbed.bubbling_bed.chemistry.of_boilers import unburnt_fuel
+from contbed.bubbling_bed.diagnosis import char, explain
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
 
@@ -57,6 +58,25 @@ def test_missing_heat_is_told():
     text = explained(problem(perimeter=50.0))
     assert "MW are missing" in text and "at 1123 K the fuel gives 6.14 MW" in text
     assert "are left over" in explained(problem())
+
+
+def test_char_that_piles_up_is_told_with_the_oxygen_that_passes_by():
+    """The bed has 4 m2 with 55 % of particles; half as much char again is in it."""
+    bed = problem()
+    density = bed.plan.scene.solids["char"].fuel.char_density
+    x = bed._start(1123.15)
+    assert char(bed, x) is None
+    n = 1.5 * 4.0 * 0.55 * density / MOLAR_MASS["C"]
+    bed.system.part(x, "n_char")[:] = n
+    z = bed.space.points[0]
+    oxygen = 0.21 * bed.chemistry.inlet_flow
+    bed.system.part(x, "N_O2_bubble")[:] = oxygen * (0.9 - 0.5 * z / z.max())
+    text = char(bed, x)
+    assert "1.5 times the volume of all particles" in text
+    assert "carry 40 % of the oxygen" in text
+    assert "bubbling_bed.bubbles.size as a number" in text
+    # it is found before the equation that is missed most
+    assert explain(bed, [x]) == text
 
 
 def test_fuel_that_leaves_unburnt_is_named():
