@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -18,7 +19,10 @@ from contbed.errors import ConvergenceError
 from contbed.fem.probe import Probe, line_along
 from contbed.fields import header, name_of
 from contbed.materials.common import extrapolation, share_outside
+from contbed.materials.composition import mole_fractions
+from contbed.materials.condensation import above_saturation
 from contbed.result import Result
+from contbed.scene.gas import GasCantera
 
 # share of u_mf: with less excess gas a place counts as not fluidized
 UNFLUIDIZED = 2e-3
@@ -98,11 +102,30 @@ def fill(
     result.balances["energy"] = _balance(problem, state, duties, releases)
     if chemistry is not None:
         chemistry_results.fill(problem, chemistry, state, result)
+    if c.computed is not None:
+        result.warnings += _condensing(scene.mixture, c.gases, result.profiles)
     if wanted:
         _only_at(wanted, positions, result)
     if c.albedo is not None:
         use = usage(optics.radiation_emissivity_half_space, albedo=c.albedo)
         result.closures.append(use.to_dict())
+
+
+def _condensing(
+    gas: GasCantera, streams: Sequence[str], profiles: Mapping[str, Any]
+) -> list[str]:
+    """Warn of water that would condense in the gas of the bed."""
+    entering = mole_fractions(gas.composition).get("H2O", 0.0)
+    found = []
+    for name in streams:
+        T, phase = profiles[f"{name} [K]"], name.removeprefix("T_")
+        x = profiles.get(f"x_H2O_{phase} [1]", np.full(len(T), entering))
+        inside = np.isfinite(T)  # a freeboard has rows of its own
+        at = (profiles["z [m]"], T, gas.pressure * x)
+        found += above_saturation(
+            f"the gas of the {phase}", *(each[inside] for each in at)
+        )
+    return found[:1]
 
 
 def _only_at(wanted: Any, z: Any, result: Result) -> None:

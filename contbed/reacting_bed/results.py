@@ -11,6 +11,7 @@ import numpy as np
 from contbed.arrays import Array
 from contbed.balance import Balance
 from contbed.chemistry.thermo import T_STANDARD
+from contbed.materials.condensation import above_saturation
 from contbed.reacting_bed import of_reactors
 from contbed.reacting_bed.equations.unknowns import State
 from contbed.reacting_bed.least_amounts import (
@@ -439,6 +440,12 @@ def _remarks(problem: Problem, u: Array, result: Result, found: Least | None) ->
         ranges.append((state.of(name).T_solid, {f"solids.{name}": data}))
     for T, items in ranges:
         result.warnings += _beyond_data(T, items)
+    if "H2O" in state.x:
+        columns = result.profiles
+        partial = columns["x_H2O [1]"] * columns["p_gas [Pa]"]
+        result.warnings += above_saturation(
+            "the gas", columns["x [m]"], columns["T_fluid [K]"], partial
+        )
 
 
 def _beyond_data(T: Array, items: Mapping[str, Any]) -> list[str]:

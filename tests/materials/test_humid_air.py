@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from CoolProp.CoolProp import PropsSI
 from CoolProp.HumidAirProp import HAPropsSI
@@ -9,6 +10,7 @@ from pytest import approx
 
 import contbed as cb
 from contbed.materials.composition import mole_fractions
+from contbed.materials.condensation import above_saturation
 from contbed.materials.constants import fluid_of
 from contbed.scene.humid_air import dew_point, saturation_pressure
 from tests.refusals import refused
@@ -100,6 +102,75 @@ def test_condensation_is_warned_of():
     assert "condenses or freezes below 291" in text
 
 
+def test_water_above_its_saturation_in_a_result_is_warned_of():
+    """Steam of 1 atm: CoolProp has it saturated at 373.124 K."""
+    z, T = np.array([0.0, 1.0, 2.0]), np.array([380.0, 360.0, 390.0])
+    (text,) = above_saturation("the gas", z, T, np.full(3, P))
+    assert "1.013e+05 Pa at 360 K and 1 m, condenses below 373.12 K" in text
+    assert PropsSI("T", "P", P, "Q", 1, "Water") == pytest.approx(373.12, abs=5e-3)
+    assert not above_saturation("the gas", z, T + 14.0, np.full(3, P))
+    assert not above_saturation("the gas", z, T, np.zeros(3))
+
+
+BUBBLING = """
+[bubbling_bed]
+height = 1.0
+section = 1.0
+solids_fraction = 0.5
+[bubbling_bed.tubes]
+perimeter = 10.0
+coefficient = 200.0
+[gas]
+composition = "H2O:1"
+[boundary.bottom]
+gas.mass_flow = 0.3
+gas.temperature = 400.0
+[solids.stones]
+diameter = 6e-4
+density = 2600
+heat_capacity = 900
+nusselt = "ranz_marshall"
+mixing_conductivity = 1e4
+"""
+REACTING = """
+[mesh]
+type = "line"
+length = 1.0
+diameter = 0.1
+[gas]
+model = "cantera"
+composition = "H2O:1"
+[packed_bed]
+porosity = 0.4
+[solids.stones]
+diameter = 0.005
+density = 2600
+[heat]
+[boundary.left]
+gas.molar_flux = 10.0
+gas.temperature = 400.0
+[boundary.wall]
+coefficient = 200.0
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "coolant", "gas"),
+    [
+        (BUBBLING, "bubbling_bed.tubes.temperature", "the gas of the emulsion"),
+        (REACTING, "boundary.wall.ambient", "the gas"),
+    ],
+    ids=["bubbling", "reacting"],
+)
+def test_steam_cooled_below_its_dew_point_is_warned_of(text, coolant, gas):
+    """Steam of 1 atm in beds that tubes or a wall keep below 373 K, and above."""
+    cold, hot = (
+        cb.run(cb.load(scene_of(text, {coolant: T}))).warnings for T in (350.0, 390.0)
+    )
+    assert any(f"water in {gas}, 1.01" in each for each in cold)
+    assert not any("water in" in each for each in hot)
+
+
 def test_bubbling_beds_burn_in_humid_air():
     template = Path(cb.__file__).parent / "bubbling_bed" / "template.toml"
     values = {"gas": {"material": "humid air", "humidity_ratio": 0.02}}
@@ -112,7 +183,10 @@ def test_bubbling_beds_burn_in_humid_air():
     ("values", "part"),
     [
         ({"gas.relative_humidity": 0.5}, "give humidity_ratio, or relative_humidity"),
-        (HALF | {"gas.dry_bulb": None}, "give humidity_ratio, or relative_humidity"),
+        (
+            {"gas.humidity_ratio": None, "gas.relative_humidity": 0.5},
+            "give humidity_ratio, or relative_humidity",
+        ),
         (HALF | {"gas.relative_humidity": 1.2}, "out of range"),
         (HALF | {"gas.dry_bulb": "150 degC"}, "water boils there"),
         ({"gas.composition": "N2:1"}, "not both"),
