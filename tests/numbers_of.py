@@ -1,4 +1,4 @@
-"""Tables of numbers in tests/data, a row by its name."""
+"""Tables in CSV files: of numbers in tests/data, a row by its name, or of text."""
 
 import csv
 from pathlib import Path
@@ -13,3 +13,9 @@ def rows_of(file):
         name: tuple(float(cell) if cell else None for cell in cells)
         for name, *cells in list(csv.reader(text.splitlines()))[1:]
     }
+
+
+def table_of(path):
+    """Return the rows of a CSV file as dictionaries of text."""
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))

@@ -6,8 +6,6 @@ given to 1e-2 W. The second is reference.csv of the study: its refinement change
 temperatures by 3e-7 K and duties by 1e-4 W.
 """
 
-import csv
-
 import numpy as np
 import pytest
 from bubbling_scenes import STUDY, case1
@@ -16,6 +14,7 @@ from pytest import approx
 import contbed as cb
 from contbed.bubbling_bed.checks import two_flux_is_low
 from tests.balances import assert_closed
+from tests.numbers_of import table_of
 
 P1 = {
     "T_distributor_K": 482.347353,
@@ -66,8 +65,8 @@ def test_without_radiation_against_collocation():
 
 @pytest.mark.parametrize("name", ["none", "paper_closure", "two_flux", "p1"])
 def test_every_level_against_the_collocation_of_the_study(name):
-    with open(STUDY / "reference.csv", newline="", encoding="utf-8") as file:
-        exact = {row["result"]: float(row[name]) for row in csv.DictReader(file)}
+    rows = table_of(STUDY / "reference.csv")
+    exact = {row["result"]: float(row[name]) for row in rows}
     qoi = cb.run(case1(name)).qoi
     for key, value in exact.items():
         # the automatic mesh aims at 1e-6 of the temperatures; a duty has six decimals

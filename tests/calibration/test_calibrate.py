@@ -2,7 +2,6 @@
 line, and what a kill leaves.
 """
 
-import csv
 import json
 import os
 import signal
@@ -28,6 +27,7 @@ from contbed.many.calibrate.settings import read_file
 from contbed.many.store import Store
 from tests.cases import cases_of
 from tests.command_line import command
+from tests.numbers_of import table_of
 from tests.report.report_file import charts_of
 
 SCENE = """\
@@ -151,11 +151,6 @@ def no_pictures(monkeypatch):
     )
 
 
-def read(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
-
-
 @pytest.mark.slow
 def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
     text = (
@@ -178,7 +173,7 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
     ):
         assert keys[key]["low"] < true < keys[key]["high"]
         assert keys[key]["low of profile"] < true < keys[key]["high of profile"]
-    points = read(folder / "out" / "points.csv")
+    points = table_of(folder / "out" / "points.csv")
     assert [row["line"] for row in points if row["measured"]] == [
         f"drops.csv:{k}" for k in range(3, 6)
     ]
@@ -496,7 +491,7 @@ def test_the_posterior_goes_on_where_it_was_and_says_when_it_is_short(
     again = calibrate("drops.toml", "out")
     assert again.before == found.runs
     assert_array_equal(found.samples.z, again.samples.z)
-    assert len(read(folder / "out" / "posterior.csv")) == 32
+    assert len(table_of(folder / "out" / "posterior.csv")) == 32
 
 
 def test_without_emcee_the_posterior_is_refused_before_any_run(

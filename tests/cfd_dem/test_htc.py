@@ -2,7 +2,6 @@
 particles in a gas, closure, restart.
 """
 
-import csv
 import json
 from functools import partial
 from pathlib import Path
@@ -31,6 +30,7 @@ from contbed.loading import loads
 from contbed.materials.constant import ConstantFluid
 from tests.balances import assert_closed
 from tests.cases import each_case
+from tests.numbers_of import table_of
 from tests.restarts import interrupt, same_run
 
 STUDY = Path(__file__).parents[2] / "studies/closure_transfer"
@@ -343,11 +343,10 @@ def test_the_study_of_transfer_to_a_moving_bed():
     # both committed closure files give the committed outlet temperature, inside of
     # their ranges
     result = cb.run(cb.load(STUDY / "moving_bed.toml"))
-    with open(STUDY / "outlet_both.csv", newline="") as file:
-        rows = {
-            (row["scene"], row["closures"]): float(row["T_out [K]"])
-            for row in csv.DictReader(file)
-        }
+    rows = {
+        (row["scene"], row["closures"]): float(row["T_out [K]"])
+        for row in table_of(STUDY / "outlet_both.csv")
+    }
     assert result.qoi["T_fluid_out_K"] == approx(
         rows["moving_bed", "packings"], abs=2e-3
     )

@@ -13,6 +13,7 @@ import pytest
 import contbed as cb
 from contbed.loading import load
 from contbed.models import MODELS, plan
+from tests.numbers_of import table_of
 
 TABLE = Path(__file__).parents[1] / "data" / "run_times.csv"
 FIRST_HOUR = TABLE.parent / "first_hour" / "packc.toml"
@@ -65,8 +66,7 @@ def test_the_plan_predicts_within_a_factor_of_three(name):
 
 
 def test_the_table_is_within_a_factor_of_three():
-    with TABLE.open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows = table_of(TABLE)
     assert [row["bed"] for row in rows] == [*BEDS, "first hour"]
     assert all(1.0 / 3.0 < float(row["ratio"]) < 3.0 for row in rows)
 

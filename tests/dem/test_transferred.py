@@ -2,7 +2,6 @@
 come back, scenes use them.
 """
 
-import csv
 import re
 import tomllib
 from pathlib import Path
@@ -21,6 +20,7 @@ from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict, loads
 from contbed.scene.identity import resolved, scene_hash
 from tests.balances import assert_closed
+from tests.numbers_of import table_of
 from tests.refusals import problems_of, refused
 
 STUDY = Path(__file__).parents[2] / "studies/closure_transfer"
@@ -419,10 +419,10 @@ def test_the_study_of_transfer():
     # the committed closure file gives the committed outlet temperature, inside of its
     # range
     result = cb.run(cb.load(STUDY / "heated_wall.toml"))
-    with open(STUDY / "outlet.csv", newline="") as file:
-        rows = {
-            row["conductivity"]: float(row["T_out [K]"]) for row in csv.DictReader(file)
-        }
+    rows = {
+        row["conductivity"]: float(row["T_out [K]"])
+        for row in table_of(STUDY / "outlet.csv")
+    }
     assert result.qoi["T_fluid_out_K"] == approx(
         rows["packings, cones (Eq. 5)"], abs=2e-3
     )

@@ -26,6 +26,7 @@ from contbed.runner import run
 from contbed.scene.tables import ClosureFile
 from tests.cases import each_case
 from tests.command_line import command
+from tests.numbers_of import table_of
 from tests.refusals import refusal, refused
 from tests.report.report_file import charts_of
 
@@ -248,7 +249,7 @@ def test_files(found, capsys):
     assert "law of exchange: standard deviation" in text
     summary = json.loads((found.folder / "summary.json").read_text())
     assert summary["band"][NAME]["low"] == found.band(NAME)[0]
-    rows = list(csv.DictReader((found.folder / "table.csv").open()))
+    rows = table_of(found.folder / "table.csv")
     assert [row["part"] for row in rows] == [part.name for part in found.parts]
     assert len(list(csv.reader((found.folder / "samples.csv").open()))) == 9
     assert (found.folder / "band.png").stat().st_size > 10_000
@@ -263,8 +264,8 @@ def test_files(found, capsys):
         and f"{high:.6g}" in report
         and "law of exchange" in report
     )
-    with open(found.folder / "table.csv", newline="") as file:
-        shares = {row["part"]: row[f"share in {NAME}"] for row in csv.DictReader(file)}
+    rows = table_of(found.folder / "table.csv")
+    shares = {row["part"]: row[f"share in {NAME}"] for row in rows}
     assert {part: float(share) for part, share in shares.items()} == approx(
         found.shares(NAME)
     )
@@ -543,7 +544,7 @@ def test_a_cascade_beside_measured_points(tmp_path, capsys):
         about["shares of the parts"].values()
     ) == approx(1.0)
     assert about["shares of the parts"]["law of conduction"] > 0.5
-    table = list(csv.DictReader((tmp_path / "out/table.csv").open()))
+    table = table_of(tmp_path / "out/table.csv")
     assert [float(row["share at the measured points"]) for row in table] == list(
         about["shares of the parts"].values()
     )

@@ -2,7 +2,6 @@
 told, going on after a kill.
 """
 
-import csv
 import json
 import os
 import signal
@@ -24,6 +23,7 @@ from contbed.many.optimise.expression import read_expression
 from contbed.many.optimise.reading import read_design
 from tests.cases import each_case
 from tests.command_line import command
+from tests.numbers_of import table_of
 from tests.refusals import problems_of, refusal
 from tests.report.report_file import charts_of
 
@@ -174,8 +174,7 @@ def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
     scene = cb.load(folder / "out" / "optimum.toml")
     assert scene.boundary["left"].gas.velocity == approx(v, rel=1e-8)
     assert scene.packed_bed.porosity == 0.4
-    with open(folder / "out" / "table.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = table_of(folder / "out" / "table.csv")
     assert len(rows) == len(runner.calls) == found["runs"]["evaluated"]
     assert rows[0]["boundary.left.gas.velocity [m/s]"] == "0.1"
     # as it is maximised, not its negative
@@ -240,8 +239,8 @@ def test_a_failed_run_is_stepped_back_from_and_told(folder, runner, capsys):
     assert found["keys"]["boundary.left.gas.velocity"]["value"] == approx(
         0.3723, abs=1e-4
     )
-    with open(folder / "out" / "table.csv", newline="") as file:
-        failed = [row for row in csv.DictReader(file) if row["exit code"] == "3"]
+    rows = table_of(folder / "out" / "table.csv")
+    failed = [row for row in rows if row["exit code"] == "3"]
     assert failed and failed[0]["problem"] == "no convergence here"
     # a failed run is kept, until it is asked for again
     calls = len(runner.calls)

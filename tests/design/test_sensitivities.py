@@ -2,7 +2,6 @@
 code.
 """
 
-import csv
 import json
 
 import pytest
@@ -12,6 +11,7 @@ from contbed.cli import main
 from contbed.loading import loads
 from contbed.many.derivatives.gradients import gradient
 from tests.cases import each_case
+from tests.numbers_of import table_of
 
 
 @pytest.fixture
@@ -59,7 +59,7 @@ def test_table_and_files(scene, capsys):
     assert any(line.startswith("pressure_drop_Pa = ") for line in lines)
     assert not any("mesh.cells" in line for line in lines)
     out = scene.parent / "out"
-    rows = list(csv.DictReader((out / "sensitivities.csv").open()))
+    rows = table_of(out / "sensitivities.csv")
     assert {row["result"] for row in rows} == {"T_fluid_out_K", "pressure_drop_Pa"}
     assert (out / "sensitivities.png").stat().st_size > 10_000
 

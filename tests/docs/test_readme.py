@@ -2,7 +2,6 @@
 the numbers of the evidence those of the committed tables, and links lead somewhere.
 """
 
-import csv
 import re
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import pytest
 
 import contbed as cb
 from contbed.models import MODELS
+from tests.numbers_of import table_of
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -28,9 +28,7 @@ def shown(text):
 
 
 def table(study, file="results"):
-    path = ROOT / "studies" / study / f"{file}.csv"
-    with path.open(encoding="utf-8", newline="") as stream:
-        return list(csv.DictReader(stream))
+    return table_of(ROOT / "studies" / study / f"{file}.csv")
 
 
 def test_it_is_read_at_once():

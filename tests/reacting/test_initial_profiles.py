@@ -250,7 +250,7 @@ def test_a_run_goes_on_from_the_profiles_of_an_earlier_one(tmp_path):
     """
     errors = []
     for cells in (4, 8, 16):
-        whole, after = continued(tmp_path, reacting(cells), 400.0, 800.0)
+        whole, after = continued(tmp_path, reacting(cells), 200.0, 400.0)
         errors.append(
             max(np.abs(whole[key] - after[key]).max() for key in ("w_S [1]", "x_A [1]"))
         )

@@ -321,7 +321,7 @@ def test_a_catalyst_beside_a_sorbent():
 def test_all_that_differs_closes():
     """Elements and energy; the kind that adsorbs with more heat is the warmer one."""
     scene = warm("film")
-    set_keys(scene, "time.end = 4.0")
+    set_keys(scene, "time.end = 2.0")
     own = scene["solids"]["particles"]["adsorption"]
     hot = {"adsorption": {"A": own["A"] | {"enthalpy": -4e4}}, "diameter": 6e-3}
     cold = {

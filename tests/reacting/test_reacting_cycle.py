@@ -466,12 +466,16 @@ def test_rates_that_take_what_is_not_there_in_a_cycle_are_told():
         contbed.run(from_dict(following(str(taking))))
 
 
+@pytest.fixture(scope="module")
+def whole():
+    return contbed.run(from_dict(looping()))
+
+
 @pytest.mark.parametrize("moment", [30, 150])
-def test_an_interrupted_cycle_resumes_bit_for_bit(tmp_path, moment):
+def test_an_interrupted_cycle_resumes_bit_for_bit(tmp_path, whole, moment):
     scene = from_dict(looping())
     interrupt(scene, tmp_path / "a", BedSteps, "_passed", moment)
-    again = contbed.run(scene, out=tmp_path / "b", restart=tmp_path / "a")
-    same_run(again, contbed.run(scene))
+    same_run(contbed.run(scene, out=tmp_path / "b", restart=tmp_path / "a"), whole)
 
 
 def test_a_balance_counts_both_ways_at_an_end():

@@ -134,6 +134,7 @@ def kinds_of_pellets():
     """Pellets of two sizes inside of which A becomes B."""
     given = section_of_pellets()
     del given["packed_bed"]["section"]
+    set_keys(given, "time.end = 200.0")
     return split_pellets(given, coarse={"diameter": 5e-3})
 
 

@@ -41,39 +41,48 @@ def test_steps_of_the_inlet_temperature_superpose():
     closes(result)
 
 
+def turning(later):
+    """Temperature and steps of a bed whose gas turns, and in which what enters has
+    another temperature later by a share of the time.
+    """
+    scene, eta_per_s = heated(4.0)
+    end = 3.0 / eta_per_s
+    turns = {"times": [0.0, end / 3.0], "values": [0.5, -0.5], "form": "step"}
+    colder = {
+        "times": [0.0, end / 3.0 * (1.0 + later)],
+        "values": [500.0, 400.0],
+        "form": "step",
+    }
+    scene["boundary"]["left"]["gas"]["mass_flux"] = turns
+    scene["boundary"]["left"]["gas"]["temperature"] = colder
+    scene["boundary"]["right"] = {"gas": {"temperature": colder}}
+    scene["time"]["end"] = end
+    qoi = contbed.run(from_dict(scene)).qoi
+    return qoi["T_fluid_out_K"], qoi["time_steps"]
+
+
+@pytest.fixture(scope="module")
+def at_once():
+    return turning(0.0)
+
+
 @pytest.mark.parametrize(
     "later", [1e-12, 1e-10, 4e-10, 6e-10, 1e-9, 1e-8, 1e-6, 1e-5], ids=str
 )
-def test_jumps_at_all_but_the_same_time_are_one(later):
-    """The gas turns, and what enters has another temperature, as two files with other
-    digits say it.
+def test_jumps_at_all_but_the_same_time_are_one(at_once, later):
+    """As two files with other digits say it.
 
     Where both are cuts, what lies between them is no reason to store the gas, which
     stays a thousand times as long.
     """
-    found = []
-    for share in (0.0, later):
-        scene, eta_per_s = heated(4.0)
-        end = 3.0 / eta_per_s
-        turns = {"times": [0.0, end / 3.0], "values": [0.5, -0.5], "form": "step"}
-        colder = {
-            "times": [0.0, end / 3.0 * (1.0 + share)],
-            "values": [500.0, 400.0],
-            "form": "step",
-        }
-        scene["boundary"]["left"]["gas"]["mass_flux"] = turns
-        scene["boundary"]["left"]["gas"]["temperature"] = colder
-        scene["boundary"]["right"] = {"gas": {"temperature": colder}}
-        scene["time"]["end"] = end
-        qoi = contbed.run(from_dict(scene)).qoi
-        found.append((qoi["T_fluid_out_K"], qoi["time_steps"]))
+    temperature, steps = turning(later)
     # the same steps, each longer or shorter by that share, of a temperature that
     # changes by some 200 K in the run
-    assert found[1][0] == approx(found[0][0], rel=1e-8, abs=200.0 * later)
+    assert temperature == approx(at_once[0], rel=1e-8, abs=200.0 * later)
     # one between times that are two, or those that grow from the first step to the time
     # between where that is longer; none that are halved towards a jump
     most = {1e-6: 2, 1e-5: 4}.get(later, 1)
-    assert 0 <= found[1][1] - found[0][1] <= most
+    assert 0 <= steps - at_once[1] <= most
 
 
 def test_totals_of_flows_that_cancel_close():

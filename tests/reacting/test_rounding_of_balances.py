@@ -64,6 +64,13 @@ def bed(length, cells, mass_flux, hottest, oxide, fast):
             [mesh]
             type = "line"
 
+            [gas]
+            model = "ideal_gas"
+            pressure = 1.5e5
+            viscosity = 4e-5
+            conductivity = 0.2
+            diffusivity = 4e-4
+
             [packed_bed]
             porosity = 0.42
             pressure_drop = "ergun"
@@ -78,14 +85,7 @@ def bed(length, cells, mass_flux, hottest, oxide, fast):
         {
             "mesh.length": length,
             "mesh.cells": cells,
-            "gas": {
-                "model": "ideal_gas",
-                "pressure": 1.5e5,
-                "viscosity": 4e-5,
-                "conductivity": 0.2,
-                "diffusivity": 4e-4,
-            }
-            | {"species": gas},
+            "gas.species": gas,
             "solids.coarse": kind(0.34, 6e-3, oxide),
             "solids.fine": kind(0.66, 2e-3, oxide),
             "boundary.left.gas.mass_flux": mass_flux,

@@ -93,7 +93,8 @@ def test_scenes_are_planned(path):
 
 @pytest.mark.parametrize("path", sorted(STUDIES.glob("*/sweep*/*.toml")), ids=name_of)
 def test_sweeps_are_read(path):
-    assert read_study(path).cases
+    found = read_study(path)
+    assert found.cases and found.qoi and not found.warnings
 
 
 @pytest.mark.parametrize("path", sorted(STUDIES.glob("*/closures/*.toml")), ids=name_of)

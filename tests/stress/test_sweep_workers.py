@@ -5,7 +5,6 @@ Every worker writes a line to the log of a run when it begins it and when it has
 it; these lines are counted.
 """
 
-import csv
 import os
 import signal
 import subprocess
@@ -21,6 +20,7 @@ import pytest
 
 import contbed
 from contbed.many.sweep.sweep import sweep
+from tests.numbers_of import table_of
 
 SCENE = """\
 mesh = { type = "line", length = 0.5 }
@@ -305,8 +305,7 @@ def test_an_interrupted_sweep_ends_clean(folder, whole_group):
         "",
         "interrupted; to resume: the same command\n",
     )
-    with open("out/table.csv", newline="") as file:
-        assert 4 <= len(list(csv.DictReader(file))) < 24
+    assert 4 <= len(table_of("out/table.csv")) < 24
     with pytest.raises(ProcessLookupError):  # no worker is left
         wait_for(lambda: os.killpg(process.pid, 0), 10.0)
 

@@ -2,7 +2,6 @@
 and the files of a sweep.
 """
 
-import csv
 import sys
 
 import numpy as np
@@ -23,6 +22,7 @@ from contbed.many.uncertainty.propagate import first_order, independent, of_samp
 from contbed.many.value_sets import sample
 from tests.cases import each_case
 from tests.command_line import command
+from tests.numbers_of import table_of
 from tests.refusals import refused
 
 SCENE = """\
@@ -238,11 +238,6 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def read(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def test_a_sweep_writes_samples_gradients_and_indices_side_by_side(
     folder, capsys, monkeypatch
 ):
@@ -250,7 +245,7 @@ def test_a_sweep_writes_samples_gradients_and_indices_side_by_side(
     assert command("sweep study.toml --out out --jobs 1 --quiet") == 0
     out = capsys.readouterr().out
     assert "40 of 40 runs are finished" in out and "share by gradients" in out
-    samples, gradients = read(folder / "out" / "uncertainty.csv")
+    samples, gradients = table_of(folder / "out" / "uncertainty.csv")
     assert (samples["estimator"], samples["runs"], gradients["estimator"]) == (
         "samples",
         "16",
@@ -267,7 +262,7 @@ def test_a_sweep_writes_samples_gradients_and_indices_side_by_side(
     assert_allclose(
         float(samples["standard deviation"]), np.linalg.norm(parts), rtol=0.3
     )
-    rows = read(folder / "out" / "indices.csv")
+    rows = table_of(folder / "out" / "indices.csv")
     exact = parts**2 / np.sum(parts**2)
     assert_allclose(
         [float(row["share by gradients"]) for row in rows], exact, atol=1e-6
@@ -298,12 +293,13 @@ def test_a_morris_design_of_normal_parameters_stays_within_their_tails(folder, c
     )
     (folder / "study.toml").write_text(text)
     assert command("sweep study.toml --out out --jobs 1 --quiet") == 0
-    rows = read(folder / "out" / "indices.csv")
+    rows = table_of(folder / "out" / "indices.csv")
     # levels are 0.05, 0.35, 0.65 and 0.95 of the normal, 1.0 to 1.4 of the even one
     assert_allclose(float(rows[1]["mean effect"]), drop(0.0, 0.4), rtol=1e-6)
     assert float(rows[2]["mean magnitude"]) == 0.0
     values = {
-        float(row["gas.viscosity [Pa*s]"]) for row in read(folder / "out" / "table.csv")
+        float(row["gas.viscosity [Pa*s]"])
+        for row in table_of(folder / "out" / "table.csv")
     }
     assert max(values) <= 2e-5 + 1.6449 * 2e-6 and len(values) <= 4
 
@@ -412,7 +408,9 @@ def test_a_sample_has_indices_by_polynomial_chaos(folder, capsys):
     (folder / "study.toml").write_text(text)
     assert command("sweep study.toml --out out --jobs 1 --quiet") == 0
     assert "by polynomial chaos (32 runs)" in capsys.readouterr().out
-    rows = {row["estimator"]: row for row in read(folder / "out" / "uncertainty.csv")}
+    rows = {
+        row["estimator"]: row for row in table_of(folder / "out" / "uncertainty.csv")
+    }
     parts = np.array([drop(2e-6, 0.0), drop(0.0, 0.4 / np.sqrt(12.0)), 0.0])
     # the result is linear, CSV holds nine digits
     found = rows["polynomial chaos"]
@@ -420,7 +418,7 @@ def test_a_sample_has_indices_by_polynomial_chaos(folder, capsys):
     assert_allclose(
         float(found["standard deviation"]), np.linalg.norm(parts), rtol=1e-8
     )
-    shares = [float(row["total"]) for row in read(folder / "out" / "indices.csv")]
+    shares = [float(row["total"]) for row in table_of(folder / "out" / "indices.csv")]
     assert_allclose(shares, parts**2 / np.sum(parts**2), atol=1e-8)
 
 

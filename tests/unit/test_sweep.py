@@ -2,7 +2,6 @@
 workers are in tests/stress.
 """
 
-import csv
 import errno
 import importlib
 import json
@@ -22,6 +21,7 @@ from contbed.many import quantities, value_sets
 from contbed.many.sweep.plots import _Axis, _is_plane, _means
 from contbed.many.sweep.study import read_study
 from tests.cases import cases_of
+from tests.numbers_of import table_of
 
 STUDIES = Path(__file__).parents[2] / "studies"
 SCENE = """\
@@ -111,8 +111,7 @@ def sweep(*arguments):
 
 
 def rows(folder):
-    with open(folder / "out" / "table.csv", newline="") as file:
-        return list(csv.DictReader(file))
+    return table_of(folder / "out" / "table.csv")
 
 
 def never(below, text):
@@ -642,12 +641,3 @@ def test_main_effects_of_a_sum_are_its_terms():
         for values in (a, b, 3.0 * a + 1.0)
     ]
     assert _is_plane([axes[0], axes[1]]) and not _is_plane([axes[0], axes[2]])
-
-
-@pytest.mark.parametrize(
-    "path", sorted(STUDIES.glob("*/sweeps/*.toml")), ids=lambda path: path.stem
-)
-def test_the_sweeps_of_studies_are_read(path):
-    found = read_study(path)
-    assert len(found.cases) == {"map": 91, "uncertainty": 64, "indices": 448}[path.stem]
-    assert found.qoi and not found.warnings

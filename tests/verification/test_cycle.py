@@ -123,27 +123,44 @@ def test_the_end_of_the_period_is_its_start(tmp_path):
     ] == approx(1.0, abs=1e-6)
 
 
-@pytest.mark.parametrize("moment", [40, 333, 505])
-def test_an_interrupted_cycle_resumes_bit_for_bit(tmp_path, monkeypatch, moment):
-    """Ctrl-C at a step of the first periods, and of one that repeats steps."""
-    path = regenerator(tmp_path / "s.toml", (10, 3), (10, 3), 1e-3, cells=20)
-    interrupt(load(path), tmp_path / "a", HeatSteps, "passed", moment)
+def counted(*arguments, **settings):
+    """A run, and how many steps it passed."""
     passed, steps = HeatSteps.passed, []
-    monkeypatch.setattr(
-        HeatSteps, "passed", lambda *given: steps.append(1) or passed(*given)
-    )
-    whole, taken = run(load(path)), len(steps)
-    again = run(load(path), out=tmp_path / "b", restart=tmp_path / "a")
-    same_run(again, whole)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            HeatSteps, "passed", lambda *given: steps.append(1) or passed(*given)
+        )
+        return run(*arguments, **settings), len(steps)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The scene of a cycle, its folder, its result, and how many steps it passed."""
+    folder = tmp_path_factory.mktemp("whole")
+    path = regenerator(folder / "s.toml", (10, 3), (10, 3), 1e-3, cells=20)
+    return path, folder, *counted(load(path), out=folder)
+
+
+@pytest.mark.parametrize("moment", [40, 333, 505])
+def test_an_interrupted_cycle_resumes_bit_for_bit(tmp_path, whole, moment):
+    """Ctrl-C at a step of the first periods, and of one that repeats steps."""
+    path, _, expected, taken = whole
+    interrupt(load(path), tmp_path, HeatSteps, "passed", moment)
+    again, rest = counted(load(path), out=tmp_path, restart=tmp_path)
+    same_run(again, expected)
     # of what was done before at most one period is repeated
-    assert len(steps) - taken < taken - moment + whole.qoi["time_steps"]
-    # the cycle that was found, at another time as well
+    assert rest < taken - moment + expected.qoi["time_steps"]
+
+
+def test_a_cycle_that_was_found_is_told_at_another_time(tmp_path, whole):
+    path, folder, *_ = whole
     half = load(path).time.end / 2.0
-    path.write_text(
+    other = tmp_path / "s.toml"
+    other.write_text(
         f"time.times = [{half!r}]\noutput.positions = [0.5]\n{path.read_text()}"
     )
-    both = run(load(path), out=tmp_path / "c", restart=tmp_path / "b")
-    wanted = run(load(path)).profiles["T_solid [K]"]
+    both = run(load(other), out=tmp_path, restart=folder)
+    wanted = run(load(other)).profiles["T_solid [K]"]
     np.testing.assert_array_equal(both.profiles["T_solid [K]"], wanted)
     assert len(wanted) == 2
 
