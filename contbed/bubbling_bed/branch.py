@@ -81,8 +81,9 @@ class Family:
             return
         graph = Graph()
         try:
-            forms = self.at(graph.parameter()).recorded_over(graph)
-            if all(self._same(forms, x, other) for other in (NEARBY * value, value)):
+            other = self.at(graph.parameter())
+            forms = RecordedForms(other.system, other.forms, graph)
+            if all(self._same(forms, x, near) for near in (NEARBY * value, value)):
                 self.recorded = forms
         # NotRecordableError, what takes numbers alone, a value too far
         except (TypeError, ValueError, SceneError):

@@ -74,8 +74,7 @@ def heat_balance(problem: Any, T: float) -> HeatBalance:
     chemistry, species = problem.chemistry, thermo.table()
     data, part = chemistry.data, chemistry.part
     entering = {name: x * chemistry.inlet_flow for name, x in part.inlet.items()}
-    atoms = {name: data.elements.get(name, 0.0) for name in ("C", "H", "O", "N", "S")}
-    needed = atoms["C"] + 0.25 * atoms["H"] + atoms["S"] - 0.5 * atoms["O"]
+    atoms, needed = data.elements, data.oxygen
     burnt = min(1.0, entering["O2"] / needed)
     changes = {
         "CO2": atoms["C"],

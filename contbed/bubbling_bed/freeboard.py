@@ -116,13 +116,10 @@ class FreeboardProblem:
             "Ar": Ar,
         }
 
-    def rates(self, u: Any, name: str) -> list[Any]:
-        """Return the elutriation rate constants of the sizes of a solid
-        phase [kg/m2/s].
+    def rates(self, state: dict[str, Any], name: str) -> list[Any]:
+        """Return the elutriation rate constants of the sizes of a solid phase in a
+        `state` [kg/m2/s].
         """
-        return self._rates(self.state(u)[0], name)
-
-    def _rates(self, state: dict[str, Any], name: str) -> list[Any]:
         item, out = self.scene.solids[name], []
         for diameter in (
             (item.diameter,) if item.sizes is None else item.sizes.diameters
@@ -142,7 +139,7 @@ class FreeboardProblem:
         for name, share in self.shares.items():
             item = self.scene.solids[name]
             shares = (1.0,) if item.sizes is None else item.sizes.bed or item.sizes.feed
-            for part, rate in zip(shares, self._rates(state, name), strict=True):
+            for part, rate in zip(shares, self.rates(state, name), strict=True):
                 carried = carried + share * part * rate
         mixed = state | {
             "d_p": computed.d_p,

@@ -21,7 +21,7 @@ from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
 from contbed.fem.ad.batched import RecordedForms
-from contbed.fem.ad.graph import Graph, NotRecordableError
+from contbed.fem.ad.graph import NotRecordableError
 from contbed.radiation.equations.p1 import emitted
 from contbed.solvers.continuation import PseudoSteps, relax, unwatched
 from contbed.solvers.linear import Solver, scaled
@@ -126,17 +126,6 @@ class BubblingProblem:
         other._record_from = RECORDED_FROM
         other._forget()
         return other
-
-    def recorded_over(self, graph: Graph) -> RecordedForms:
-        """Return the weak forms recorded in the graph of a parameter on which
-        coefficients depend.
-
-        Raises
-        ------
-        NotRecordableError : a form is no fixed sequence of operations
-
-        """
-        return RecordedForms(self.system, self.forms, graph)
 
     def steady_of(
         self, recorded: RecordedForms, x: Array, jacobian: bool

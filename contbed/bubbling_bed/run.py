@@ -4,7 +4,6 @@ branches, other steady states.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,12 +44,13 @@ def run(
     from contbed.output.progress import Progress
 
     with Progress(100.0, "% of the way", quiet) as progress:
-        _run(plan, result, lambda share, note: progress.advance_to(100.0 * share, note))
+        problem = BubblingProblem(plan)
+        problem.watch = lambda share, note: progress.advance_to(100.0 * share, note)
+        _solve(problem, result)
 
 
-def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None:
-    problem = BubblingProblem(plan)
-    problem.watch = watch
+def _solve(problem: BubblingProblem, result: Result) -> None:
+    plan = problem.plan
     state, history = problem.solve()
     result.history += history
     if plan.scene.computed:
@@ -67,12 +67,12 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
     if is_out(problem, state):
         result.warnings.append(f"the fuel does not burn: {explained(problem)}")
     fill(plan, problem, state, result)
-    result.solved = Solved(problem, state)
-    scene = plan.scene
-    if scene.continuation is not None:
+    branch = None
+    if plan.scene.continuation is not None:
         from contbed.bubbling_bed.branch import follow
 
-        result.solved = Solved(problem, state, follow(problem, state, result))
+        branch = follow(problem, state, result)
+    result.solved = Solved(problem, state, branch)
     if plan.guesses > 1:
         result.qoi["steady_states_found"] = _steady_states(problem, state, result)
 

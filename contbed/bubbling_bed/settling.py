@@ -116,9 +116,8 @@ def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, 
         key: problem.system.part(state, key)[:1]
         for key in ("T_freeboard", *problem.c.scalars)
     }
-    rates = np.array(
-        [float(np.squeeze(rate)) for rate in above.rates(SimpleNamespace(**end), name)]
-    )
+    there = above.state(SimpleNamespace(**end))[0]
+    rates = np.array([float(np.squeeze(rate)) for rate in above.rates(there, name)])
     carried = above.computed.section * above.shares[name] * rates
     feed, given = item.feed.mass_flow, np.array(item.sizes.feed)
 

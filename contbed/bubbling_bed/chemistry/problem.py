@@ -45,6 +45,12 @@ class FuelData:
     enthalpy: float  # of formation of the volatile matter [J/kg]
     elements: dict[str, float]  # dry, ash-free [mol/s]
 
+    @property
+    def oxygen(self) -> float:
+        """Oxygen that burns it completely [mol/s]."""
+        n = self.elements
+        return n["C"] + 0.25 * n["H"] + n["S"] - 0.5 * n["O"]
+
 
 def fuel_data(solid: Solid) -> FuelData:
     """Return the amounts fed, the products of the volatile matter and its heat of

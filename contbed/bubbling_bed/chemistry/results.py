@@ -175,11 +175,10 @@ def _fuel(
     qoi["fuel_power_W"] = power
     qoi["cold_gas_efficiency"] = in_gas / power
     qoi["combustion_efficiency"] = 1.0 - (in_gas + unburnt) / power
-    e = data.elements
-    needed = e["C"] + 0.25 * e["H"] + e["S"] - 0.5 * e["O"]
-    qoi["oxygen_ratio"] = entering.get("O2", 0.0) / needed
-    if e["S"] > 0 and "CaSO4" in drained:
-        qoi["sulphur_capture"] = drained["CaSO4"] / e["S"]
+    qoi["oxygen_ratio"] = entering.get("O2", 0.0) / data.oxygen
+    sulphur = data.elements["S"]
+    if sulphur > 0 and "CaSO4" in drained:
+        qoi["sulphur_capture"] = drained["CaSO4"] / sulphur
     qoi["ignited"] = float(
         qoi["combustion_efficiency"] > 0.5 * min(1.0, qoi["oxygen_ratio"])
     )
