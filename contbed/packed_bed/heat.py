@@ -474,7 +474,7 @@ class HeatProblem:
 
     def estimated_error(self, state: Any) -> Any:
         """Estimate the error of theta in each cell, the larger of both phases."""
-        from contbed.packed_bed.adapt import estimate
+        from contbed.packed_bed.cell_errors import estimate
 
         space = self.system.fields["T_fluid"][0]
         errors = [

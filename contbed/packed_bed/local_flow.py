@@ -20,7 +20,7 @@ from contbed.errors import ConvergenceError
 from contbed.fem.probe import Line
 from contbed.packed_bed.flow import LocalProperties, solved_flow
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.shared import heat_problem, report_flow
+from contbed.packed_bed.run_parts import heat_problem, report_flow
 from contbed.result import Result
 
 TURNS = 40  # of flow and temperatures, each with the other's last solution

@@ -27,7 +27,7 @@ from contbed.mesh.build import build, mesh_of, moved, require_names
 from contbed.mesh.grading import finest
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed import scene as s
-from contbed.packed_bed.adapt import refinable
+from contbed.packed_bed.cell_errors import refinable
 from contbed.packed_bed.checks import require_properties
 from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.heat_parts import parts_of_heat
@@ -202,7 +202,7 @@ class Plan:
 
     def refined(self, error: Any) -> Plan:
         """Return the plan on a mesh refined where `error` (ncells,) is large."""
-        from contbed.packed_bed.adapt import refined
+        from contbed.packed_bed.cell_errors import refined
 
         return replace(
             self, mesh=refined(self.mesh, error, self.scene.solver.tolerance)

@@ -10,15 +10,15 @@ from typing import Any
 from contbed.balance import Balance
 from contbed.fem.probe import Line, line_along
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.scene import Scene
-from contbed.packed_bed.schedule import PHASES
-from contbed.packed_bed.shared import (
+from contbed.packed_bed.run_parts import (
     Solved,
     check_state,
     heat_balance,
     heat_problem,
     report_flow,
 )
+from contbed.packed_bed.scene import Scene
+from contbed.packed_bed.schedule import PHASES
 from contbed.result import Result
 
 RESTART_MAY_CHANGE = (
@@ -59,10 +59,10 @@ def run(
     if start is not None and (found := [name for name in names if name in start[0]]):
         plan = result.plan = plan.on([start[0][found[0]]])
     if scene.time is not None:
-        from contbed.packed_bed.over_time import transient
+        from contbed.packed_bed.transient_run import run_transient
 
         line, flow = _line_and_flow(plan, None, result)
-        transient(plan, line, flow, result, folder, quiet, start)
+        run_transient(plan, line, flow, result, folder, quiet, start)
         return
     flow, estimate = None, None
     for attempt in range(plan.adaptations + 1):
@@ -143,21 +143,26 @@ def _better(
 
     `before` is the estimate on the former mesh.
     """
-    from contbed.packed_bed import accuracy, adapt
+    from contbed.packed_bed import cell_errors, direction_errors
 
     if plan.tensor and (plan.balanced or not plan.adaptations):
-        estimate = accuracy.estimated(plan, flow, problem, state, before)
+        estimate = direction_errors.estimated(plan, flow, problem, state, before)
         if (
             not last
-            and accuracy.exceeded(estimate)
-            and not accuracy.full(estimate, before, plan.most_cells)
+            and direction_errors.exceeded(estimate)
+            and not direction_errors.full(estimate, before, plan.most_cells)
         ):
-            return plan.on(accuracy.next_vertices(estimate, plan.most_cells)), estimate
-        accuracy.report(plan, estimate, result)
+            return plan.on(
+                direction_errors.next_vertices(estimate, plan.most_cells)
+            ), estimate
+        direction_errors.report(plan, estimate, result)
         return None, estimate
     if plan.adaptations:
         error = problem.estimated_error(state)
-        largest, asked = adapt.total(plan.mesh, error), plan.scene.solver.tolerance
+        largest, asked = (
+            cell_errors.total(plan.mesh, error),
+            plan.scene.solver.tolerance,
+        )
         if not last and largest > asked:
             return plan.refined(error), None
         result.qoi["estimated_error"] = largest

@@ -26,11 +26,11 @@ from contbed.packed_bed.flow import (
 )
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.local_flow import local_properties
-from contbed.packed_bed.over_time import Run
 from contbed.packed_bed.results import steady_findings
 from contbed.packed_bed.run import steady_balance
-from contbed.packed_bed.shared import overshoot, report_flow
-from contbed.packed_bed.transient import HeatSteps
+from contbed.packed_bed.run_parts import overshoot, report_flow
+from contbed.packed_bed.time_steps import HeatSteps
+from contbed.packed_bed.transient_run import Run
 from contbed.result import Result
 from contbed.solvers.anderson import Anderson
 from contbed.solvers.tangent import STEP, Response, with_prescribed

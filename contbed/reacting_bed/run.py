@@ -46,7 +46,7 @@ def run(
     """
     if plan.scene.time is not None:
         from contbed.reacting_bed.course import Course
-        from contbed.reacting_bed.over_time import run_transient
+        from contbed.reacting_bed.transient_run import run_transient
 
         course = Course.of(plan.scene, plan.problem, plan.schedule, plan.stores_gas)
         run_transient(course, result, folder, quiet, start)

@@ -17,7 +17,7 @@ from dolfinx_scenes import SCENES
 from contbed.loading import from_dict
 from contbed.models import plan as make_plan
 from contbed.packed_bed.flow import solved_flow
-from contbed.packed_bed.shared import heat_problem
+from contbed.packed_bed.run_parts import heat_problem
 from contbed.radiation.run import problem_of
 from contbed.ranks.engine import Ranks
 from contbed.result import Result

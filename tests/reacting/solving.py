@@ -14,7 +14,7 @@ from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.history import BedHistory
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.stages import stages
-from contbed.reacting_bed.transient import BedSteps, begin
+from contbed.reacting_bed.time_steps import BedSteps, begin
 from contbed.result import Result
 from tests.balances import assert_closed
 

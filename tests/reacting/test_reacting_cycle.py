@@ -20,10 +20,10 @@ from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.reacting_bed import cycle
 from contbed.reacting_bed.course import Course
-from contbed.reacting_bed.over_time import searched
 from contbed.reacting_bed.solve import Report
-from contbed.reacting_bed.transient import BedSteps, begin
+from contbed.reacting_bed.time_steps import BedSteps, begin
 from contbed.reacting_bed.transient_results import contents
+from contbed.reacting_bed.transient_run import searched
 from contbed.solvers.anderson import Anderson
 from tests.particle.tables import rows
 from tests.refusals import refused
@@ -354,7 +354,7 @@ def test_a_cycle_that_is_not_found_keeps_its_last_period(monkeypatch):
     monkeypatch.setattr(periodic, "MOST", 2)
     kept = []
     monkeypatch.setattr(
-        "contbed.reacting_bed.over_time.fill",
+        "contbed.reacting_bed.transient_run.fill",
         lambda at, history, result: kept.append(history.time),
     )
     with pytest.raises(

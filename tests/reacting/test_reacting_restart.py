@@ -11,7 +11,7 @@ from several_solids import split, split_pellets
 
 import contbed
 from contbed.loading import from_dict
-from contbed.reacting_bed.transient import BedSteps
+from contbed.reacting_bed.time_steps import BedSteps
 from tests.restarts import interrupt, same_run
 from tests.scene_text import set_keys
 

@@ -27,7 +27,7 @@ from contbed import cli
 from contbed.loading import loads
 from contbed.output import checkpoint
 from contbed.output.tables import read_table
-from contbed.packed_bed.transient import HeatSteps
+from contbed.packed_bed.time_steps import HeatSteps
 from tests.cases import each_case
 from tests.command_line import command
 from tests.refusals import refused

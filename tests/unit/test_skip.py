@@ -88,7 +88,7 @@ UNWANTED = """
     scipy.integrate scipy.optimize
 """
 NOT_SOLVED = """
-    packed_bed.flow packed_bed.transient packed_bed.equations.porous_flow
+    packed_bed.flow packed_bed.time_steps packed_bed.equations.porous_flow
     packed_bed.equations.fronts radiation.problem radiation.results
     radiation.ordinates radiation.rosseland radiation.equations.p1
     radiation.equations.ordinates course.dirk solvers.continuation mesh.gmsh

@@ -17,7 +17,7 @@ from contbed.fem.tensor_error import TensorGrid, balanced
 from contbed.loading import from_dict
 from contbed.mesh.build import build
 from contbed.mesh.grading import graded
-from contbed.packed_bed import accuracy
+from contbed.packed_bed import direction_errors
 from contbed.packed_bed.corners import unlike_temperatures
 from contbed.packed_bed.plan import plan
 from tests.scene_text import scene_of
@@ -173,12 +173,12 @@ def test_a_jump_of_prescribed_temperatures_has_a_weight():
         solids = { particles = { fixed_temperature = 300.0 } }
     """)
     made = plan(plane(boundary=walls))
-    corners = accuracy._corners(
+    corners = direction_errors._corners(
         made, partial(unlike_temperatures, made.solved.boundary, "solid")
     )
     assert corners == [((0, 0.0), (1, 0.0))]
     grid = TensorGrid.of(Space(made.mesh.skfem, 1))
-    weight = accuracy._weight(grid, corners)
+    weight = direction_errors._weight(grid, corners)
     assert weight[0, 0] == 0.0
     assert weight[-1, -1] == weight[-1, 0] == weight[0, -1] == 1.0
 

@@ -15,7 +15,7 @@ from contbed.course.schedule import Schedule
 from contbed.loading import load
 from contbed.models import plan
 from contbed.output.progress import Progress
-from contbed.packed_bed.transient import HeatSteps
+from contbed.packed_bed.time_steps import HeatSteps
 from contbed.runner import run
 from contbed.solvers.anderson import Anderson
 from tests.balances import assert_closed

@@ -20,7 +20,7 @@ from contbed.loading import from_dict
 from contbed.packed_bed.equations import two_energy
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.plan import plan
-from contbed.packed_bed.shared import heat_balance
+from contbed.packed_bed.run_parts import heat_balance
 from tests.scene_text import scene_of
 
 AIR = {

@@ -18,7 +18,7 @@ from contbed.course.schedule import Schedule
 from contbed.errors import SceneError
 from contbed.explain.sheets import explain
 from contbed.loading import from_dict
-from contbed.packed_bed.transient import HeatSteps
+from contbed.packed_bed.time_steps import HeatSteps
 from contbed.scene.series import Samples
 from tests.balances import assert_closed
 from tests.cases import each_case

@@ -14,7 +14,7 @@ from moving_beds import moving
 from contbed.fem.tensor_error import TensorGrid
 from contbed.loading import from_dict
 from contbed.mesh.build import build
-from contbed.packed_bed import accuracy
+from contbed.packed_bed import direction_errors
 from contbed.packed_bed.corners import unlike_temperatures
 from contbed.packed_bed.flow import solved_flow
 from contbed.packed_bed.heat import HeatProblem
@@ -193,11 +193,11 @@ def true_errors(
             (TensorGrid.of(p.system.fields[name][0]), p.system.part(x, name))
             for p, x in ((problem, state), exact)
         )
-        corners = accuracy._corners(
+        corners = direction_errors._corners(
             plan, partial(unlike_temperatures, plan.solved.boundary, phase)
         )
         found = fine[0].interpolated(fine[0].values(fine[1]), coarse[0].coordinates)
-        difference = accuracy._weight(coarse[0], corners) * np.abs(
+        difference = direction_errors._weight(coarse[0], corners) * np.abs(
             found - coarse[0].values(coarse[1])
         )
         worst = max(worst, float(difference.max()) / span)

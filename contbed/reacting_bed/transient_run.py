@@ -23,7 +23,7 @@ from contbed.reacting_bed.least_amounts import finer
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import rate_without_value
 from contbed.reacting_bed.time_cells import fitted
-from contbed.reacting_bed.transient import BedSteps, begin, turned
+from contbed.reacting_bed.time_steps import BedSteps, begin, turned
 from contbed.reacting_bed.transient_results import fill
 from contbed.result import Result
 

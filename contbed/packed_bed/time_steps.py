@@ -22,7 +22,7 @@ from contbed.course.history import SAME, History, output_times
 from contbed.course.march import Accept
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.shared import heat_problem
+from contbed.packed_bed.run_parts import heat_problem
 from contbed.packed_bed.streams import Outlets
 from contbed.result import Result
 from contbed.scene.mesh import MeshLine

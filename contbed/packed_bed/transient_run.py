@@ -14,8 +14,8 @@ from contbed.output.progress import Progress
 from contbed.packed_bed.of_stores import store_findings
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.results import transient_findings
-from contbed.packed_bed.shared import Solved, check_state, heat_balance
-from contbed.packed_bed.transient import (
+from contbed.packed_bed.run_parts import Solved, check_state, heat_balance
+from contbed.packed_bed.time_steps import (
     HeatHistory,
     HeatSteps,
     by_streams,
@@ -25,7 +25,7 @@ from contbed.packed_bed.transient import (
 from contbed.result import Result
 
 
-def transient(
+def run_transient(
     plan: Plan,
     line: Line,
     flow: Any,
