@@ -83,19 +83,10 @@ class Computed:
         given = {name: item.heat_capacity for name, item in present.items()}
         self.capacity = {name: function_of(cp) for name, cp in given.items() if cp}
         self.content = {name: integral_of(cp) for name, cp in given.items() if cp}
-        self.surface = {
-            name: 6.0
-            * self.solids
-            * item.volume_share
-            / (item.sphericity * item.diameter)
-            for name, item in present.items()
-        }
+        self.surface = scene.surface_of_particles
         total = sum(item.volume_share / item.diameter for item in present.values())
         self.d_p = 1.0 / total
-        self.sphericity = total / sum(
-            item.volume_share / (item.sphericity * item.diameter)
-            for item in present.values()
-        )
+        self.sphericity = 6.0 * self.solids * total / sum(self.surface.values())
         self.rho_solid = sum(
             self.share[name] * self.density[name] for name in self.names
         )

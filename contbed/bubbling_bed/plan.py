@@ -183,17 +183,8 @@ def coefficients(
     coefficients follow the state.
     """
     bed, present, level = scene.bubbling_bed, scene.present, scene.radiation.level
-    names = list(present)
-    fractions = np.array(
-        [bed.solids_fraction * item.volume_share for item in present.values()]
-    )
-    # a_m
-    surface = (
-        6.0
-        * fractions
-        / np.array([item.sphericity * item.diameter for item in present.values()])
-    )
-    absorption, diffusion, albedo, eps_bed = np.zeros(len(names)), 0.0, None, 0.0
+    surface = scene.surface_of_particles
+    absorption, diffusion, albedo, eps_bed = np.zeros(len(present)), 0.0, None, 0.0
     if level != "none":
         found = optics_of(scene.radiation, scene.solids, bed.solids_fraction)
         absorption, albedo = found.absorption, float(found.albedo)
@@ -203,7 +194,7 @@ def coefficients(
     section = bed.section
     computed = _computed(scene)
     if computed is None:
-        number = _frozen(scene, surface)
+        number = _frozen(scene)
     elif typical is not None:
         number = typical
     else:
@@ -215,7 +206,7 @@ def coefficients(
                 name, item, bed.height, section, number["conduction"][name], computed
             ),
             number["gas"][name],
-            float(surface[k] / surface.sum()),
+            surface[name] / sum(surface.values()),
             float(absorption[k]),
             item.emissivity or 1.0,
         )
@@ -335,7 +326,7 @@ def _fluidized(scene: b.BubblingScene, computed: Any) -> None:
         )
 
 
-def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
+def _frozen(scene: b.BubblingScene) -> dict[str, Any]:
     """Return the coefficients of a scene that gives them all as numbers."""
     present: dict[str, Any] = scene.present
     bed, bubbles = scene.bubbling_bed, scene.bubbling_bed.bubbles
@@ -344,8 +335,8 @@ def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
     return {
         "delta": bubbles.fraction if bubbles else 0.0,
         "gas": {
-            name: float(a * item.gas_coefficient)
-            for a, (name, item) in zip(surface, present.items(), strict=True)
+            name: surface * present[name].gas_coefficient
+            for name, surface in scene.surface_of_particles.items()
         },
         "conduction": {
             name: bed.section * item.mixing_conductivity
@@ -413,18 +404,11 @@ def _solids(
     flow = 0.0 if feed is None else feed.capacity_flow or feed.mass_flow
     if feed is None or not flow:
         return model.Stream(constant(0.0), **heat)
-    from scipy.special import ndtr
-
-    below = float(ndtr(-feed.height / feed.width))
-    rate = flow / (float(ndtr((height - feed.height) / feed.width)) - below)
+    share, below = feed.shares(height)
     drained = flow if feed.drain == "bottom" else 0.0
     return model.Stream(
-        lambda z: rate * (ndtr((z - feed.height) / feed.width) - below) - drained,
-        lambda z: (
-            rate
-            / (feed.width * np.sqrt(2.0 * np.pi))
-            * np.exp(-0.5 * ((z - feed.height) / feed.width) ** 2)
-        ),
+        lambda z: flow * below(z) - drained,
+        lambda z: flow * share(z),
         feed.temperature,
         **heat,
     )

@@ -219,6 +219,17 @@ class BubblingScene(SceneBase):
         }
 
     @property
+    def surface_of_particles(self) -> dict[str, float]:
+        """Surface of each solid phase that is present, over the volume of the
+        emulsion [1/m].
+        """
+        solids = self.bubbling_bed.solids_fraction
+        return {
+            name: 6.0 * solids * item.volume_share / (item.sphericity * item.diameter)
+            for name, item in self.present.items()
+        }
+
+    @property
     def fuel(self) -> str | None:
         """Name of the solid phase that is the fuel; None without one."""
         return next((name for name, item in self.solids.items() if item.fuel), None)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Discriminator, Field, model_validator
 
 from contbed.bubbling_bed.tables import (
@@ -38,6 +40,7 @@ MassFraction = Share
 MinorFraction = ShareBelowOne
 MassFlow = Annotated[float, *unit("kg/s"), Field(ge=0)]
 Nusselt = Annotated[NamedOrFile, Discriminator(form)]
+Along = Callable[[Any], Any]  # function of height
 
 
 class Feed(Table):
@@ -55,6 +58,20 @@ class Feed(Table):
     """standard deviation; what it puts beyond the ends enters inside"""
     drain: Literal["top", "bottom"] = "top"
     """end where particles leave that are neither fuel nor limestone"""
+
+    def shares(self, height: float) -> tuple[Along, Along]:
+        """Return the share of the feed per height [1/m] and that below a height, as
+        functions of the height in a bed of a `height` [m], which all of it enters.
+        """
+        from scipy.special import ndtr
+
+        below = float(ndtr(-self.height / self.width))
+        inside = float(ndtr((height - self.height) / self.width)) - below
+        scale = 1.0 / (inside * self.width * np.sqrt(2.0 * np.pi))
+        return (
+            lambda z: scale * np.exp(-0.5 * ((z - self.height) / self.width) ** 2),
+            lambda z: (ndtr((z - self.height) / self.width) - below) / inside,
+        )
 
 
 class Sizes(Table):

@@ -13,7 +13,7 @@ import numpy as np
 from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.equations import species as model
-from contbed.bubbling_bed.solids import Feed, Solid
+from contbed.bubbling_bed.solids import Solid
 from contbed.chemistry import devolatilisation as dv
 from contbed.chemistry import kinetics
 from contbed.chemistry.elements import ATOMIC_WEIGHTS
@@ -85,19 +85,6 @@ def fuel_data(solid: Solid) -> FuelData:
         formation / V if V else 0.0,
         {name: rate * n for name, n in amounts.items()},
     )
-
-
-def gaussian(feed: Feed, height: float) -> Callable[[Any], Any]:
-    """Return the share of a feed per height [1/m] as a function of height; it
-    integrates to one over the bed.
-    """
-    from scipy.special import ndtr
-
-    inside = float(
-        ndtr((height - feed.height) / feed.width) - ndtr(-feed.height / feed.width)
-    )
-    scale = 1.0 / (inside * feed.width * np.sqrt(2.0 * np.pi))
-    return lambda z: scale * np.exp(-0.5 * ((z - feed.height) / feed.width) ** 2)
 
 
 def gas_reactions(scene: Any) -> list[cr.OfGases]:
@@ -393,7 +380,7 @@ def _solids(
     ash: list[model.Ash] = []
 
     def fed(phase: str, rate: float) -> Callable[[Any], Any]:
-        share = gaussian(scene.solids[phase].feed, bed.height)
+        share, _ = scene.solids[phase].feed.shares(bed.height)
         return lambda z: rate * share(z)
 
     def add(
