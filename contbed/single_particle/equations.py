@@ -153,6 +153,10 @@ class Sphere:
         )
         return found
 
+    def left(self, state: Array) -> float:
+        """Return the mass that is left over that of the fresh particle."""
+        return float(self.volume @ self.masses(state).sum(axis=0))
+
     def centre(self, state: Array) -> float:
         """Return the temperature in the centre, by the parabola through the two
         innermost shells [K].

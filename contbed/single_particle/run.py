@@ -1,33 +1,25 @@
-"""Run of one particle: time steps, balances of mass and heat, what is left and how
-hot it is.
-"""
+"""Run of one particle in time steps."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
-from scipy.optimize import brentq
 
-from contbed.balance import Balance
 from contbed.chemistry.thermo import R_GAS
 from contbed.course.dirk import STAGES, WEIGHTS, DirkSteps, Step, ladder, stages_of
-from contbed.course.history import History
 from contbed.course.schedule import Schedule
 from contbed.errors import ConvergenceError
-from contbed.fields import header
-from contbed.materials.common import share_outside
 from contbed.materials.composition import mole_fractions
 from contbed.materials.curve import function_of, integral_of
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
-from contbed.scene.property_table import range_of
-from contbed.single_particle.equations import SCALE_HEAT, Material, Sphere, Surface
+from contbed.single_particle import results
+from contbed.single_particle.equations import Material, Sphere, Surface
+from contbed.single_particle.history import ParticleHistory
 from contbed.single_particle.plan import Plan
 from contbed.single_particle.scene import SURFACE, SingleParticleScene
 from contbed.solvers.newton import Options
@@ -35,8 +27,6 @@ from contbed.solvers.newton import Options
 # [s] first step, at the start and after a jump
 FIRST_STEP = 2.0**-10
 ROWS = 100  # output times where none are given
-# of the mass, below which none is lost, and no time in which half of it is
-LEAST_LOSS = 1e-9
 
 
 def material_of(scene: SingleParticleScene) -> Material:
@@ -97,20 +87,6 @@ def surface_of(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class ParticleHistory(History):
-    """State of a particle and what it has passed.
-
-    sums : heat conducted in, carried out, released [J/kg], gas that left; exchanged :
-        heat both ways
-    passed : time, mass and centre temperature of all stages
-    """
-
-    sums: Any
-    exchanged: float = 0.0
-    passed: tuple[tuple[float, float, float], ...]
-
-
 class ParticleSteps(DirkSteps[ParticleHistory]):
     """The time steps of a plan, none of which crosses a jump of the surroundings, or a
     kink beyond its error.
@@ -135,7 +111,7 @@ class ParticleSteps(DirkSteps[ParticleHistory]):
     def begin(self) -> ParticleHistory:
         """Return the history at the start of the run."""
         state = self.problem.initial()
-        first = (0.0, _mass(self.problem, state), self.problem.centre(state))
+        first = (0.0, self.problem.left(state), self.problem.centre(state))
         history = ParticleHistory(
             state=state, size=FIRST_STEP, sums=np.zeros(4), passed=(first,)
         )
@@ -175,7 +151,7 @@ class ParticleSteps(DirkSteps[ParticleHistory]):
             sums = sums + weight * step.size * rates
             exchanged += weight * step.size * abs(rates[0])
             if share:
-                passed.append((time, _mass(problem, stage), problem.centre(stage)))
+                passed.append((time, problem.left(stage), problem.centre(stage)))
         return replace(
             super().passed(history, step, end, size),
             sums=sums,
@@ -214,81 +190,6 @@ def run(
         raise ConvergenceError(
             f"{text}, at t = {history.time:.4g} s: {advice}", error.history, error.state
         ) from None
-    _balances(steps.problem, begin, history, result)
-    _profiles(plan, steps.problem, history.kept, result)
-    _findings(np.array(history.passed), result)
-
-
-def _balances(
-    problem: Sphere, begin: ParticleHistory, history: ParticleHistory, result: Result
-) -> None:
-    """Fill in the balances of energy and mass."""
-    material, n = problem.material, problem.shells
-    whole = material.density * np.pi / 6.0 * (2.0 * material.radius) ** 3
-    before, content = (
-        problem.content(each.state, False)[0][:n] for each in (begin, history)
-    )
-    stored = SCALE_HEAT * float((content - before).sum())
-    conducted, carried, released, left = history.sums
-    held = SCALE_HEAT * float(np.abs(content).sum())
-    parts = [conducted * whole, -carried * whole]
-    both_ways = (history.exchanged + abs(carried)) * whole
-    result.balances["energy"] = Balance.of_fluxes(
-        parts, "J", released * whole, stored * whole, held * whole, both_ways
-    ).as_dict()
-    gain = _mass(problem, history.state) - _mass(problem, begin.state)
-    result.balances["mass"] = Balance.of_fluxes(
-        [-left * whole], "kg", 0.0, gain * whole, whole
-    ).as_dict()
-
-
-def _mass(problem: Sphere, state: Any) -> float:
-    """Return the mass that is left over that of the fresh particle."""
-    return float(problem.volume @ problem.masses(state).sum(axis=0))
-
-
-def _profiles(
-    plan: Plan, problem: Sphere, kept: Mapping[float, Any], result: Result
-) -> None:
-    """Fill in what is left and temperatures at the output times."""
-    n, volume = problem.shells, problem.volume
-    states = kept.values()
-    masses = np.array([problem.masses(state) @ volume for state in states])
-    result.profiles = {
-        header("t"): np.array(list(kept)),
-        header("mass_fraction"): masses.sum(axis=1),
-        header("T_centre"): np.array([problem.centre(state) for state in states]),
-        header("T_surface"): np.array([state[-1] for state in states]),
-        header("T_mean"): np.array([state[:n] @ volume for state in states]),
-    }
-    solid = plan.scene.solid
-    for k, name in enumerate(solid.constituent):
-        result.profiles[f"mass_fraction.{name} [1]"] = masses[:, k]
-    capacities = [one.heat_capacity for one in solid.constituent.values()]
-    limits = range_of(solid.conductivity, solid.conductivity_product, *capacities)
-    T = np.array([state[:n] for state in states])
-    if share_outside(T, limits):
-        low, high = limits
-        result.warnings.append(
-            f"data of the particle from {low:g} to {high:g} K are used at "
-            f"{T.min():.5g} to {T.max():.5g} K"
-        )
-
-
-def _findings(passed: NDArray[np.float64], result: Result) -> None:
-    """Fill in numbers of the whole run; `passed` (n, 3) are times, masses and centre
-    temperatures of all steps.
-    """
-    times, mass, centre = passed.T
-    hottest = int(np.argmax(centre))
-    result.qoi |= {
-        "mass_fraction_end": float(mass[-1]),
-        "T_centre_max_K": float(centre[hottest]),
-        "time_of_T_centre_max_s": float(times[hottest]),
-    }
-    if mass[0] - mass[-1] > LEAST_LOSS:
-        left, middle = PchipInterpolator(times, mass), 0.5 * (mass[0] + mass[-1])
-        k = int(np.argmax(mass <= middle))
-        result.qoi["half_time_s"] = float(
-            brentq(lambda t: left(t) - middle, times[k - 1], times[k])
-        )
+    results.balances(steps.problem, begin, history, result)
+    results.profiles(plan, steps.problem, history.kept, result)
+    results.findings(np.array(history.passed), result)
