@@ -65,9 +65,7 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
         result.history += history
     except ConvergenceError as error:
         where = plan.scene.origin.at(("developed_flow",))
-        text = (
-            f"{where}: developed_flow: no solution found ({error}); {advice(problem)}"
-        )
+        text = f"{where}: developed_flow: no solution found; {advice(problem)}"
         raise ConvergenceError(text, error.history, error.state) from error
     if problem.particles and plan.scene.solver.branches:
         state = _nearest(problem, state, meant, result)
@@ -146,6 +144,12 @@ def advice(problem: DevelopedProblem) -> str:
             "it drag stops the fluctuations of "
             f"particles of {c.d_p:g} m away from walls, and no fraction carries the "
             f"pressure; or {_tries(problem)}"
+        )
+    if c.specularity < START_SPECULARITY:
+        return (
+            f"a wall with specularity = {c.specularity:g} makes few fluctuations, and "
+            "where drag stops them in the middle no fraction carries the pressure: "
+            f"try {START_SPECULARITY:g}; or {_tries(problem)}"
         )
     return _tries(problem)
 

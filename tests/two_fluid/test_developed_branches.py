@@ -156,3 +156,23 @@ def test_a_search_that_fails_ends_with_advice():
         match=r"no solution found(.|\n)*try granular_temperature_centre = .*a solids_mass_flux below",
     ):
         cb.run(load(**{"solver.newton_iterations": 1}))
+
+
+def test_a_wall_too_smooth_for_fluctuations_is_told():
+    """0.3 mm in a riser of 120 mm: a wall of specularity 0.05 carries them, one of
+    0.001 does not.
+    """
+    riser = {
+        "gas.density": 1.0,
+        "gas.viscosity": 3.2e-5,
+        "solids.beads.diameter": 3e-4,
+        "solids.beads.density": 1500.0,
+        "developed_flow.section": "pipe",
+        "developed_flow.radius": 0.06,
+        "developed_flow.solids_mass_flux": 40.0,
+        "closures.turbulence": "eddy_viscosity_nikuradse",
+    }
+    smooth = {"boundary.wall.solids.beads.specularity": 1e-3}
+    with pytest.raises(ConvergenceError, match=r"makes few fluctuations.*try 0\.05"):
+        cb.run(load(**riser, **smooth))
+    assert cb.run(load(**riser)).qoi["theta_centre"] > 1e-4
