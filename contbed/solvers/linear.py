@@ -266,6 +266,8 @@ def _inverse(
     """Return the inverse by factors of the matrix with scaled rows and columns, in an
     order of its unknowns; None for their own.
     """
+    # SuperLU sorts the indices in place, which the scaled matrix shares
+    matrix.sort_indices()
     columns = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
     data = matrix.data * scale[matrix.indices] * scale[columns]
     scaled = sp.csc_matrix((data, matrix.indices, matrix.indptr))
