@@ -29,6 +29,7 @@ from contbed.fields import field, name_of
 from contbed.result import Result, outside
 from contbed.scene.identity import identity
 from contbed.scene.inputs import all_inputs, inputs_by_key
+from contbed.scene.mesh import per_extent
 from contbed.scene.tables import SceneBase
 
 if TYPE_CHECKING:
@@ -42,6 +43,8 @@ STATUS = {
     SceneError: "bad scene",
 }
 FAILED = "failed"  # by anything else
+# units of amounts and flows, which on a line are per area, in a plane per depth
+WHOLE = ("J", "W", "kg", "mol", "m3/s")
 
 
 def run(
@@ -235,7 +238,21 @@ def _solve(
         if checkpoint is None or result.status != FAILED:
             return error
         return _unlike(error)
+    finally:
+        _relate_balances(scene, result)
     return None
+
+
+def _relate_balances(scene: SceneBase, result: Result) -> None:
+    """Let balances of a bed on a line or in a plane be per area or depth, as its named
+    results are.
+    """
+    mesh: Any = getattr(scene, "mesh", None)
+    if not hasattr(mesh, "dimension"):
+        return
+    for balance in result.balances.values():
+        if balance["unit"] in WHOLE:
+            balance["unit"] = per_extent(balance["unit"], mesh)
 
 
 def _unlike(error: BaseException) -> BaseException:

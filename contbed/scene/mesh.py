@@ -144,16 +144,22 @@ class MeshFile(Table):
     """number of uniform refinements, each halves all cells"""
 
 
-def power_units(names: Iterable[str], mesh: Mesh) -> dict[str, str]:
-    """Return the unit of each heat, heat flow and exergy among named results: per area
-    of section on a line, per depth in a plane.
+def per_extent(unit: str, mesh: Mesh) -> str:
+    """Return the unit of an amount or flow in a bed: per area of section on a line, per
+    depth in a plane.
     """
     round_bed = isinstance(mesh, MeshAxisymmetric) or getattr(
         mesh, "axisymmetric", False
     )
-    per = "" if round_bed else {1: "/m2", 2: "/m", 3: ""}[mesh.dimension]
+    return unit + ("" if round_bed else {1: "/m2", 2: "/m", 3: ""}[mesh.dimension])
+
+
+def power_units(names: Iterable[str], mesh: Mesh) -> dict[str, str]:
+    """Return the unit of each heat, heat flow and exergy among named results, see
+    `per_extent`.
+    """
     return {
-        name: name[-1] + per
+        name: per_extent(name[-1], mesh)
         for name in names
         if name == "duty_W" or re.fullmatch("(heat|exergy|storage)_.*_[JW]", name)
     }

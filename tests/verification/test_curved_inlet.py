@@ -99,6 +99,8 @@ def test_a_quarter_of_a_ring(tmp_path):
     edges = mesh.p[:, mesh.facets[:, mesh.boundaries["core"]]]
     length = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=0).sum()
     volume = result.balances["fluid volume"]
+    units = [result.balances[name]["unit"] for name in ("fluid volume", "energy")]
+    assert units == ["m3/s/m", result.units["duty_W"]] == ["m3/s/m", "W/m"]
     assert volume["in"] == pytest.approx(SPEED * length, rel=1e-12)
     assert_closed(result, 1e-12, "fluid volume")
     assert_closed(result, 1e-10, "energy")
