@@ -282,8 +282,8 @@ class HeatSteps(DirkSteps[HeatHistory]):
     def _fluxes(
         self, history: HeatHistory, step: Step, weights: list[float]
     ) -> tuple[Mapping[str, float], float]:
-        """Return the integrals of the boundary fluxes after a step, and the sum of
-        those of their magnitudes.
+        """Return the integrals of the boundary fluxes after a step, and the sum of the
+        integrals of their magnitudes.
         """
         problem, sums = self.problem, dict(history.flux)
         both_ways = history.both_ways

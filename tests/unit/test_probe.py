@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import skfem
 from numpy.testing import assert_allclose
+from pytest import approx
 
 from contbed.fem.elements import Space
 from contbed.fem.probe import Probe, line_along
@@ -107,12 +108,14 @@ def test_a_given_line_is_taken():
     assert_allclose(line.probe(Space(mesh.skfem, 1), mesh.skfem.p[1]), 0.19, atol=1e-15)
 
 
-def test_no_line_is_an_error_with_its_remedy():
-    refused(r"output\.across", lambda: line_along(with_hole((0.4, -1.0), (0.6, 1.0))))
-    # positions aside of the gap are fine
-    assert (
-        len(line_along(with_hole((0.4, -1.0), (0.6, 1.0)), [0.1, 0.9]).positions) == 2
-    )
+def test_a_gap_across_the_bed_leaves_the_longest_part_of_a_line():
+    """Of given positions none may lie in the gap."""
+    cut = with_hole((0.4, -1.0), (0.6, 1.0))
+    line = line_along(cut)
+    assert np.ptp(line.positions) == approx(0.4, rel=1e-6)
+    assert "no line lies in the mesh from end to end" in line.note
+    refused(r"output\.across", line_along, cut, [0.1, 0.5])
+    assert len(line_along(cut, [0.1, 0.9]).positions) == 2
 
 
 @pytest.mark.parametrize(
