@@ -1,6 +1,6 @@
 """Boundary conditions: walls, symmetry, inlets, pressure outlets, given fields.
 
-Solids cross only inlets, outlets and given fields. A distributor is an `Inlet` without
+Solids cross only inlets, outlets and given fields. A distributor is an inlet without
 solids: its superficial velocity is the flux of gas, and eps_s = 0 there, so that it is
 not divided by the porosity; solids slip along it.
 """
@@ -23,7 +23,7 @@ IN_PLANE = 1e-9
 
 
 @dataclass(frozen=True)
-class Wall:
+class WallCondition:
     """A wall; with `velocity` [m/s] in its own plane.
 
     Johnson and Jackson's law takes `specularity`, `restitution` of collisions, and
@@ -38,13 +38,13 @@ class Wall:
     friction: float = 0.0
 
 
-def symmetry() -> Wall:
+def symmetry() -> WallCondition:
     """Return the condition of a plane of symmetry, or of the axis."""
-    return Wall(gas="slip", solid="slip")
+    return WallCondition(gas="slip", solid="slip")
 
 
 @dataclass(frozen=True)
-class Inlet:
+class InletCondition:
     """Gas and solids that enter.
 
     Gas enters at a superficial `velocity` [m/s] normal to the boundary, solids of
@@ -60,7 +60,7 @@ class Inlet:
 
 
 @dataclass(frozen=True)
-class Outlet:
+class OutletCondition:
     """Gas and solids leave freely against a `pressure` [Pa]; gas may come back,
     solids may not.
     """
@@ -69,7 +69,7 @@ class Outlet:
 
 
 @dataclass(frozen=True)
-class Given:
+class GivenFields:
     """Fields given as functions of the position (n, dim): intrinsic velocities (n,
     dim) [m/s], eps_s, theta.
     """
@@ -80,7 +80,7 @@ class Given:
     theta: Callable[[Array], Array]
 
 
-Condition = Wall | Inlet | Outlet | Given
+Condition = WallCondition | InletCondition | OutletCondition | GivenFields
 
 
 class Side(NamedTuple):
@@ -139,7 +139,7 @@ def assemble(grid: Grid, conditions: Mapping[str, Condition], rho_solid: float) 
     ]
     for name, c in conditions.items():
         if (
-            isinstance(c, Inlet)
+            isinstance(c, InletCondition)
             and (c.solid_flux or c.solid_velocity)
             and not 0 < c.eps_s < 1
         ):
@@ -147,7 +147,7 @@ def assemble(grid: Grid, conditions: Mapping[str, Condition], rho_solid: float) 
                 f"boundary.{name}: solids enter with eps_s = {c.eps_s}; give 0 < eps_s "
                 "< 1"
             )
-        if isinstance(c, Wall) and c.velocity:
+        if isinstance(c, WallCondition) and c.velocity:
             speed = grid.geometry.normal[grid.boundaries[name]][
                 :, : len(c.velocity)
             ] @ np.array(c.velocity)
@@ -192,7 +192,7 @@ def _fill(
     rho_solid: float,
 ) -> None:
     gas, solid = edge.gas, edge.solid
-    if isinstance(c, Wall):
+    if isinstance(c, WallCondition):
         velocity = np.zeros(normal.shape[1])
         velocity[: len(c.velocity)] = c.velocity
         gas.u[at] = solid.u[at] = velocity
@@ -203,10 +203,10 @@ def _fill(
             c.restitution,
             c.friction,
         )
-    elif isinstance(c, Outlet):
+    elif isinstance(c, OutletCondition):
         gas.kind[at] = solid.kind[at] = OUTLET
         edge.p[at] = c.pressure
-    elif isinstance(c, Inlet):
+    elif isinstance(c, InletCondition):
         gas.kind[at], gas.flux[at], gas.pores[at] = GIVEN, -c.velocity, 1.0
         solid.slip[at] = 1.0
         if c.eps_s > 0:

@@ -17,9 +17,9 @@ from contbed.two_fluid.fv import limiter
 from contbed.two_fluid.implicit import solve_system
 from contbed.two_fluid.linear.cg import empty_system
 from contbed.two_fluid.model import Model
-from contbed.two_fluid.packing import FrictionTable, Solids, move_tangents
+from contbed.two_fluid.solids_pressure import FrictionTable, Solids, move_tangents
 from contbed.two_fluid.state import Counters, State
-from contbed.two_fluid.timing import phase
+from contbed.two_fluid.timing import timed
 
 # linearizations of the frictional pressure in a step, at most
 # (test_slug_thrown_on_a_wall_packs_and_stays)
@@ -47,7 +47,7 @@ class Moved(NamedTuple):
     counters: Counters
 
 
-@phase("continuity")
+@timed("continuity")
 def advance(state: State, dt: float, model: Model) -> Moved:
     """Move the solids by `dt` [s]."""
     g, old, source = model.grid.geometry, state.eps_s, model.sources.solid

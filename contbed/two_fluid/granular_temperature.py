@@ -34,7 +34,7 @@ from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import Predicted
 from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.state import Counters, Properties, State
-from contbed.two_fluid.timing import phase
+from contbed.two_fluid.timing import timed
 
 SMALLEST_ROOT = 1e-150  # [m/s] whose square is not subnormal
 
@@ -180,7 +180,7 @@ def mark_negative(
     return found
 
 
-@phase("granular temperature")
+@timed("granular temperature")
 def advance(
     state: State,
     moved: Moved,

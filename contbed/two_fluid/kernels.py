@@ -14,7 +14,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contbed.two_fluid import cell_velocities, face_velocities, fluxes, packing, stress
+from contbed.two_fluid import (
+    cell_velocities,
+    face_velocities,
+    pressure_equation,
+    solids_pressure,
+    stress,
+)
 from contbed.two_fluid.cell_velocities import FaceVelocities, Gathered
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv import diffusion, reconstruction
@@ -102,14 +108,14 @@ ON_ANY_CELLS = Kernels(
     convect=reconstruction.convect,
     conduct=diffusion.conduct,
     divergence=_divergence,
-    assemble_compaction=packing.assemble_compaction,
-    add_compaction_flux=packing.add_compaction_flux,
-    add_compaction_velocity=packing.add_compaction_velocity,
+    assemble_compaction=solids_pressure.assemble_compaction,
+    add_compaction_flux=solids_pressure.add_compaction_flux,
+    add_compaction_velocity=solids_pressure.add_compaction_velocity,
     add_stress=stress.add_stress,
     predict_on_faces=face_velocities.predict_on_faces,
     reconstruct_fractions=face_velocities.reconstruct_fractions,
-    assemble_pressure=fluxes.assemble_pressure,
-    correct_fluxes=fluxes.correct_fluxes,
+    assemble_pressure=pressure_equation.assemble_pressure,
+    correct_fluxes=pressure_equation.correct_fluxes,
     gather=_gather,
     face_residual=cell_velocities.face_residual,
     divergence_solid=cell_velocities.divergence_solid,

@@ -17,19 +17,19 @@ from contbed.two_fluid.cell_velocities import (
     gather_gas,
     gather_solid,
 )
-from contbed.two_fluid.compiled import Array, Flags, kernel
+from contbed.two_fluid.compiled import Array, Flags
 from contbed.two_fluid.continuity import Moved
 from contbed.two_fluid.fv.gradient import NO_PARTICLES
 from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.implicit import solve_system
-from contbed.two_fluid.linear.cg import System, empty_system
+from contbed.two_fluid.linear.cg import empty_system
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.pressure import Projection, zero_slope_gradient
 from contbed.two_fluid.properties import density_ratio
 from contbed.two_fluid.state import Energy, Properties, State, fastest_gas
 from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress
-from contbed.two_fluid.timing import phase
+from contbed.two_fluid.timing import timed
 
 # subcycles of the convection of the gas in a step; more would cost more than shorter
 # steps
@@ -66,16 +66,6 @@ class Phase(NamedTuple):
     first_order: Flags
 
 
-class Accelerations(NamedTuple):
-    """Rate of change without convection, given and last accelerations, each (nc,
-    dim) [m/s2].
-    """
-
-    rate: Array
-    source: Array
-    force: Array
-
-
 class Predicted(NamedTuple):
     """One phase after convection and stress.
 
@@ -108,71 +98,6 @@ class Velocity(NamedTuple):
     face_residual: Array
 
 
-@kernel
-def add_forces(
-    begin: int,
-    end: int,
-    dt: float,
-    rho: float,
-    volume: Array,
-    given: tuple[Array, Array],
-    system: System,
-    convected: Array,
-) -> None:
-    """Turn the convection of the right-hand side [m3/s times u] into a force, and add
-    the given accelerations.
-
-    volume (nc, 1) [m3] : of the phase; its mass over dt is the content. The
-    accelerations (nc, m) are `given` ones and those of the last step; `convected` (nc,
-    m) becomes the rate of change by convection.
-    """
-    rhs, content, source, force = system.rhs, system.content, given[0], given[1]
-    for k in range(rhs.shape[1]):
-        for c in range(np.uint64(begin), np.uint64(end)):
-            convected[c, k] = rhs[c, k] / volume[c, 0]
-            content[c, k] = rho / dt * volume[c, 0]
-            rhs[c, k] = rho * rhs[c, k] + rho * volume[c, 0] * (
-                source[c, k] + force[c, k]
-            )
-
-
-@kernel
-def add_change(
-    begin: int, end: int, dt: float, u: Array, force: Array, change: Array
-) -> None:
-    """Turn the `change` (nc, m) of u in a step into H: the new velocity without what
-    `force` gave it.
-    """
-    for k in range(u.shape[1]):
-        for c in range(np.uint64(begin), np.uint64(end)):
-            change[c, k] = u[c, k] + change[c, k] - dt * force[c, k]
-
-
-@kernel
-def advance_subcycle(
-    begin: int,
-    end: int,
-    part: float,
-    n: int,
-    now: Array,
-    rhs: Array,
-    volume: Array,
-    given: Accelerations,
-) -> None:
-    """Set `now` (nc, dim), the velocity at the start of the step, to that after `n`
-    subcycles of `part` [s].
-
-    rhs (nc, dim) is the sum of their convection. The last forces go along, so that a
-    steady flow stays as it is.
-    """
-    source, force = given.source, given.force
-    for k in range(now.shape[1]):
-        for c in range(np.uint64(begin), np.uint64(end)):
-            now[c, k] += part * (
-                rhs[c, k] / volume[c, 0] + n * (source[c, k] + force[c, k])
-            )
-
-
 def convect_in_subcycles(
     one: Phase,
     field: Reconstruction,
@@ -189,12 +114,11 @@ def convect_in_subcycles(
     without a half step.
     """
     part, out[:] = dt / one.subcycles, 0.0
-    given = Accelerations(one.rate, one.source, one.force)
     for n in range(one.subcycles):
         now, slopes = field.values, field.gradient
         if n > 0:
-            now = now.copy(order="K")
-            parallel(advance_subcycle, len(now), part, n, now, out, volume, given)
+            # the last forces go along, so that a steady flow stays as it is
+            now = now + part * (out / volume + n * (one.source + one.force))
             model.grid.halo.exchange(now)
             slopes = gradient(model, now, field.edge)
         half_step = predictor_half_step(model, part, now, slopes, now, one.rate)
@@ -204,7 +128,7 @@ def convect_in_subcycles(
         out /= one.subcycles
 
 
-@phase("momentum")
+@timed("momentum")
 def predict(
     state: State,
     moved: Moved,
@@ -290,19 +214,12 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
     volume = ((eps * one.rho_ratio + NO_PARTICLES) * g.volume)[:, None]
     field = Reconstruction(u, grad, u, given, one.first_order, model.options.limited)
     convect_in_subcycles(one, field, dt, volume, system.rhs, model)
-    convected = np.empty_like(u)
+    convected = system.rhs / volume
+    system.content[:] = one.rho / dt * volume
     # with the last forces the change vanishes in a steady state, which the implicit
     # part then leaves alone
-    parallel(
-        add_forces,
-        len(u),
-        dt,
-        one.rho,
-        volume,
-        (one.source, one.force),
-        system,
-        convected,
-    )
+    given_forces = one.rho * volume * (one.source + one.force)
+    system.rhs[:] = one.rho * system.rhs + given_forces
     work, motion = np.zeros(len(eps)), Motion(u, grad, given, one.slip)
     model.kernels.add_stress(side, one.fluid, motion, system, work)
     if model.grid.axisymmetric:
@@ -318,11 +235,12 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
     (wall_force,) = model.grid.halo.sum(
         float(np.sum(forces[own], where=(side.kind == boundary.WALL)[own]))
     )
-    parallel(add_change, len(u), dt, u, one.force, change)
-    return Predicted(change, grad, convected, work, one.slip, wall_force)
+    # without what the last forces gave in the step
+    h = u + change - dt * one.force
+    return Predicted(h, grad, convected, work, one.slip, wall_force)
 
 
-@phase("reconstruction")
+@timed("reconstruction")
 def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
     """Cell velocities by least squares from the normal velocities of faces, plus the
     remainder of H that these lose.

@@ -371,7 +371,7 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
 def _condition(part: Any) -> boundary.Condition:
     if isinstance(part, Wall):
         solid = part.solid
-        return boundary.Wall(
+        return boundary.WallCondition(
             part.gas.wall,
             solid.wall,
             solid.specularity or 0.0,
@@ -381,7 +381,7 @@ def _condition(part: Any) -> boundary.Condition:
         )
     if isinstance(part, Inlet):
         entering = part.solid
-        return boundary.Inlet(
+        return boundary.InletCondition(
             part.gas.velocity,
             entering.volume_fraction,
             entering.mass_flux or 0.0,
@@ -389,7 +389,7 @@ def _condition(part: Any) -> boundary.Condition:
             entering.granular_temperature,
         )
     return (
-        boundary.Outlet(part.gas.pressure)
+        boundary.OutletCondition(part.gas.pressure)
         if isinstance(part, Outlet)
         else boundary.symmetry()
     )

@@ -25,7 +25,7 @@ from contbed.two_fluid.model import Model
 from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.properties import density_ratio
 from contbed.two_fluid.state import Energy, Fluxes, ForceGradients, Properties, State
-from contbed.two_fluid.timing import phase
+from contbed.two_fluid.timing import timed
 
 
 class Projection(NamedTuple):
@@ -47,7 +47,7 @@ class Projection(NamedTuple):
     rate_eps_s: Array
 
 
-@phase("pressure")
+@timed("pressure")
 def project(
     state: State,
     eps_s: Array,

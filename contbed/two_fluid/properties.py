@@ -6,27 +6,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.compiled.threads import parallel
 from contbed.two_fluid.boundary import boundary_velocity
-from contbed.two_fluid.compiled import Array, kernel
+from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.operators import gradient
 from contbed.two_fluid.state import Energy, Properties, State
-from contbed.two_fluid.timing import phase
+from contbed.two_fluid.timing import timed
 
 # solids fraction [-] below which pressure, viscosities and conductivity of the
 # particles fade (test_random_fields_calm_down)
 MIN_INTERACTING_FRACTION = 1e-8
 
 
-@kernel
-def slip_speed(begin: int, end: int, u_gas: Array, u_solid: Array, out: Array) -> None:
+def slip_speed(state: State) -> Array:
     """|u_gas - u_solid| (nc,) of each cell [m/s]."""
-    for c in range(np.uint64(begin), np.uint64(end)):
-        total = 0.0
-        for k in range(u_gas.shape[1]):
-            total += (u_gas[c, k] - u_solid[c, k]) ** 2
-        out[c] = np.sqrt(total)
+    slip = state.u_gas - state.u_solid
+    speed: Array = np.sqrt(np.einsum("cd,cd->c", slip, slip))
+    return speed
 
 
 def density_ratio(energy: Energy | None) -> float | Array:
@@ -34,15 +30,14 @@ def density_ratio(energy: Energy | None) -> float | Array:
     return 1.0 if energy is None else energy.rho_ratio
 
 
-@phase("closures")
+@timed("closures")
 def evaluate_closures(
     state: State, eps_s: Array, energy: Energy | None, model: Model
 ) -> Properties:
     """Closures at the new fraction and temperatures, and the other fields of the
     state.
     """
-    speed = np.empty_like(eps_s)
-    parallel(slip_speed, len(speed), state.u_gas, state.u_solid, speed)
+    speed = slip_speed(state)
     # the slip acts through a Reynolds number with the density of `materials`
     drag = model.closures.drag(eps_s, speed * density_ratio(energy))
     r = model.closures.granular(eps_s, state.theta, drag)

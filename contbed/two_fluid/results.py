@@ -294,33 +294,36 @@ def results(
 ) -> dict[str, Any]:
     """Named results; those of check cases only where the scene is such a case."""
     scene: t.TwoFluidScene = plan.scene
-    last = row(bed)
+    last = dict(zip(columns(bed), row(bed), strict=True))
     found: dict[str, Any] = {
         "time [s]": bed.state.time,
         "steps": bed.state.steps,
         "mass_drift_relative": balances(bed, start)["solids"]["relative_residual"],
-        "max_velocity": last[4],
-        "theta_final": last[5],
-        "eps_s_max": last[6],
-        "pressure_drop [Pa]": last[1],
+        "max_velocity": last["u_solid_max [m/s]"],
+        "theta_final": last["theta_mean [m2/s2]"],
+        "eps_s_max": last["eps_s_max [1]"],
+        "pressure_drop [Pa]": last["pressure_drop [Pa]"],
         "slip_velocity": _slip(bed),
     }
     if bed.model.heat is not None:
         from contbed.two_fluid.heat import wall_results
 
         warm = WITH_HEAT[: 4 + bed.model.heat.ideal]
-        found |= dict(zip(warm, last[len(COLUMNS) :], strict=False))
+        found |= {name: last[name] for name in warm}
         since = 0.0 if averages is None else averages.start
         found |= wall_results.results(bed, rows, since)
     vessel = float(np.ptp(plan.mesh.skfem.p[-1]))
     section = bed.model.grid.geometry.volume.sum() / vessel
-    found["weight_of_solids"] = float(scene.two_fluid.gravity * last[2] / section)
+    found["weight_of_solids"] = float(
+        scene.two_fluid.gravity * last["solids [kg]"] / section
+    )
     found |= filters.results(scene)
     if scene.closures.effective_restitution != ABSENT:
         found["effective_restitution"] = dissipative_restitution(scene)
     shear = _shear(scene, plan)
     if shear:
-        found["theta_over_s2d2"] = last[5] / (shear * bed.model.materials.d_p) ** 2
+        speed = shear * bed.model.materials.d_p
+        found["theta_over_s2d2"] = last["theta_mean [m2/s2]"] / speed**2
     found |= _fronts(scene, bed)
     if averages is not None:
         late = rows["t [s]"] >= averages.start

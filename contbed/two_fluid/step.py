@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contbed.compiled.interrupts import deferred_interrupt
 from contbed.two_fluid import continuity, granular_temperature, momentum, pressure
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.continuity import Moved
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 WALL_EXTRAPOLATION_ROUNDS = 60
 
 
+@deferred_interrupt()
 def step(state: State, dt: float, model: Model) -> State:
     """Advance by dt [s]: continuity, energy, closures, momentum, pressure, cell
     velocities, granular temperature.
@@ -82,6 +84,7 @@ def energy_step(
     return advance(state, state.energy, moved, model.heat, dt, model)
 
 
+@deferred_interrupt()
 def initial_fluxes(state: State, dt: float, model: Model) -> State:
     """Fluxes and pressure that belong to the fields, as after a step of `dt` [s]
     without convection and forces.

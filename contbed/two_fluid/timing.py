@@ -7,8 +7,6 @@ from functools import wraps
 from time import perf_counter
 from typing import Any, ParamSpec, TypeVar
 
-from contbed.compiled.interrupts import deferred_interrupt
-
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -33,21 +31,18 @@ class Timer:
             self._nested = outer + spent
 
 
-def phase(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Name a function whose last argument is the `Model` a phase of the step, timed
-    by the timer of the model.
+def timed(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Add the wall time of a function to a phase of the step, by the timer of the
+    `Model`, its last argument.
     """
 
-    def named(function: Callable[P, T]) -> Callable[P, T]:
+    def decorated(function: Callable[P, T]) -> Callable[P, T]:
         @wraps(function)
-        def timed(*arguments: P.args, **named_arguments: P.kwargs) -> T:
+        def call(*arguments: P.args, **named_arguments: P.kwargs) -> T:
             model: Any = arguments[-1]
             timer: Timer = model.timer
-            # held back once for all kernels of the phase, which takes well below a
-            # second
-            with deferred_interrupt():
-                return timer.run(name, lambda: function(*arguments, **named_arguments))
+            return timer.run(name, lambda: function(*arguments, **named_arguments))
 
-        return timed
+        return call
 
-    return named
+    return decorated

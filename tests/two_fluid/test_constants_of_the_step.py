@@ -15,14 +15,14 @@ from contbed.two_fluid.cell_velocities import FaceVelocities, Gathered, gather_s
 from contbed.two_fluid.fv import limiter
 from contbed.two_fluid.linear.cg import empty_system
 from contbed.two_fluid.model import Options
-from contbed.two_fluid.packing import (
+from contbed.two_fluid.solids_pressure import (
     Solids,
     add_compaction_velocity,
     assemble_compaction,
 )
 from contbed.two_fluid.stress import Fluid, Motion, add_stress
 
-SIDES = {"left": boundary.Wall(), "right": boundary.Wall()}
+SIDES = {"left": boundary.WallCondition(), "right": boundary.WallCondition()}
 
 
 @pytest.mark.parametrize("stiffness", [0.0, -0.05])

@@ -10,7 +10,12 @@ from pytest import approx
 from scipy.optimize import brentq
 
 from contbed.errors import ConvergenceError, SceneError
-from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
+from contbed.two_fluid.boundary import (
+    InletCondition,
+    OutletCondition,
+    WallCondition,
+    symmetry,
+)
 from contbed.two_fluid.fv import limiter
 from contbed.two_fluid.model import Options
 from contbed.two_fluid.properties import shear_rate
@@ -84,7 +89,7 @@ def test_walls_produce_and_dissipate_as_johnson_and_jackson_say():
     height, theta, dt, U, phi, e = 0.01, 1e-2, 1e-5, 0.2, 0.3, 0.6
     rates = []
     for specularity, restitution in ((phi, 1.0), (0.0, e)):
-        wall = Wall("slip", "johnson_jackson", specularity, restitution, (U,))
+        wall = WallCondition("slip", "johnson_jackson", specularity, restitution, (U,))
         grid = rectangle(height, height, (2, 2), [("left", "right")])
         b = bed(
             grid,
@@ -112,7 +117,9 @@ def test_walls_drag_rubbing_particles_with_coulombs_stress(viscosity, shape):
     step, so the error is of first order in the step.
     """
     height, U, coefficient, errors = 0.01, 0.01, 0.3, []
-    wall = Wall("slip", "johnson_jackson", 1e-9, friction=coefficient, velocity=(U,))
+    wall = WallCondition(
+        "slip", "johnson_jackson", 1e-9, friction=coefficient, velocity=(U,)
+    )
     grid = rectangle(height, height, (4, 4), [("left", "right")], shape)
     laws = closures(viscosity=viscosity, friction=1e-12)
     speed = 0.1 * 2.0 * coefficient / (2500.0 * 0.6 * height)
@@ -146,8 +153,8 @@ def test_shear_between_moving_walls_on_triangles():
 
     object.__setattr__(laws, "granular", rubbing)
     walls = {
-        "bottom": Wall("slip", velocity=(-speed,)),
-        "top": Wall("slip", velocity=(speed,)),
+        "bottom": WallCondition("slip", velocity=(-speed,)),
+        "top": WallCondition("slip", velocity=(speed,)),
     }
     b = bed(grid, laws, walls, options=Options(dt=5e-4), rho_solid=25.0)
     y = grid.centres[:, 1]
@@ -277,7 +284,11 @@ def test_fronts_stay_level_at_half_a_cell_a_step():
 # ---------------------------------------------------------------------- transport
 
 
-WALLS = [Wall(), Wall(solid="slip"), Wall("no_slip", "johnson_jackson", 0.1, 0.9)]
+WALLS = [
+    WallCondition(),
+    WallCondition(solid="slip"),
+    WallCondition("no_slip", "johnson_jackson", 0.1, 0.9),
+]
 
 
 def fluidized(wall, cells=(10, 30), shape="quadrilateral", noise=0.0, **options):
@@ -293,7 +304,12 @@ def fluidized(wall, cells=(10, 30), shape="quadrilateral", noise=0.0, **options)
         friction=400.0,
         rubbing=1.0,
     )
-    sides = {"left": wall, "right": wall, "bottom": Inlet(0.4), "top": Outlet()}
+    sides = {
+        "left": wall,
+        "right": wall,
+        "bottom": InletCondition(0.4),
+        "top": OutletCondition(),
+    }
     b = bed(grid, laws, sides, (0.0, -9.81), Options(**options))
     z = grid.centres[:, 1]
     packed = 0.52 + noise * np.random.default_rng(3).uniform(-1, 1, len(z))
@@ -332,8 +348,13 @@ def test_solids_stay_for_every_wall(wall, shape):
 
 def test_inflow_is_counted():
     grid = rectangle(0.1, 0.3, (6, 18))
-    feed = Inlet(1.0, eps_s=0.05, solid_flux=60.0, theta=1e-3)
-    sides = {"left": Wall(), "right": Wall(), "bottom": feed, "top": Outlet()}
+    feed = InletCondition(1.0, eps_s=0.05, solid_flux=60.0, theta=1e-3)
+    sides = {
+        "left": WallCondition(),
+        "right": WallCondition(),
+        "bottom": feed,
+        "top": OutletCondition(),
+    }
     b = bed(
         grid,
         closures(wen_yu(1.2, 1.8e-5, 275e-6), 1.0, 0.05, dissipation=1e5),
@@ -452,6 +473,6 @@ def test_boundaries_without_condition_and_conditions_without_boundary():
     )
     with pytest.raises(SceneError, match="own plane"):
         walls = dict.fromkeys(
-            ("left", "right", "bottom", "top"), Wall(velocity=(1.0, 0.0))
+            ("left", "right", "bottom", "top"), WallCondition(velocity=(1.0, 0.0))
         )
         bed(rectangle(1, 1, (4, 4)), closures(), walls)

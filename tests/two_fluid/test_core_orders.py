@@ -8,7 +8,7 @@ from core_closures import bed, closures, rectangle
 from gmsh_meshes import unstructured
 from pytest import approx
 
-from contbed.two_fluid.boundary import Given
+from contbed.two_fluid.boundary import GivenFields
 from contbed.two_fluid.fv.reconstruction import limited_increment
 from contbed.two_fluid.model import Options
 
@@ -123,7 +123,7 @@ def errors(cells, shape, limited):
     else:
         grid = rectangle(1.0, 1.0, (cells, cells), shape=shape)
     g, x, dt = grid.geometry, grid.centres, 0.2 / round(0.2 * cells**2)
-    given = Given(u_gas, u_solid, eps_s, theta)
+    given = GivenFields(u_gas, u_solid, eps_s, theta)
     laws = closures(K, 1.0, MU, BULK, CONDUCTIVITY, GAMMA)
     materials = {"rho_gas": RHO_GAS, "mu_gas": MU_GAS, "rho_solid": RHO_SOLID}
     b = bed(

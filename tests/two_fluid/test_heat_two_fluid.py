@@ -18,7 +18,7 @@ from contbed.closures.file import closure_of
 from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.two_fluid import run as study
-from contbed.two_fluid.boundary import Inlet, Outlet, symmetry
+from contbed.two_fluid.boundary import InletCondition, OutletCondition, symmetry
 from contbed.two_fluid.closures import bound
 from contbed.two_fluid.heat import plan as heat_planning
 from contbed.two_fluid.heat.equations import density_times_T, stored_heat
@@ -137,7 +137,12 @@ def bubbling(shape, ideal):
     wall.
     """
     grid = rectangle(0.04, 0.08, (8, 16), shape=shape)
-    sides = {"left": SLIP, "right": SLIP, "bottom": Inlet(1.5), "top": Outlet()}
+    sides = {
+        "left": SLIP,
+        "right": SLIP,
+        "bottom": InletCondition(1.5),
+        "top": OutletCondition(),
+    }
     thermal = {
         "bottom": Thermal(T_gas=600.0),
         "left": Thermal(wall=400.0),
@@ -298,7 +303,7 @@ def schumann_error(cells):
     length, u, s, h = 0.1, 1.0, 0.5, 3.0
     b = heated(
         line(length, cells),
-        {"left": Inlet(u * (1 - s)), "right": Outlet()},
+        {"left": InletCondition(u * (1 - s)), "right": OutletCondition()},
         {"left": Thermal(T_gas=310.0)},
         h,
         options=Options(courant=0.4, dt_max=1.0),
@@ -342,7 +347,7 @@ def test_ideal_gas_that_warms_flows_faster():
     """A steady stream keeps its mass flux; its velocity follows the temperature."""
     b = heated(
         line(0.1, 20),
-        {"left": Inlet(0.5), "right": Outlet()},
+        {"left": InletCondition(0.5), "right": OutletCondition()},
         {"left": Thermal(T_gas=300.0)},
         50.0,
         ideal=True,
@@ -370,7 +375,7 @@ def test_gas_that_expands_in_one_step_leaves_in_the_time_of_that_step():
     """
     s, length, first = 0.5, 0.1, 5e-4
     options = Options(dt_first=first, dt_max=1e-3, courant=0.3)
-    sides = {"left": SLIP, "right": Outlet()}
+    sides = {"left": SLIP, "right": OutletCondition()}
     b = heated(
         line(length, 10), sides, h=2000.0, ideal=True, options=options, gravity=(0.0,)
     )

@@ -14,7 +14,12 @@ from test_core_exact import wen_yu
 import contbed as cb
 from contbed.mesh import build as meshing
 from contbed.scene.mesh import MeshAxisymmetric
-from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
+from contbed.two_fluid.boundary import (
+    InletCondition,
+    OutletCondition,
+    WallCondition,
+    symmetry,
+)
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.model import Options
 from tests.refusals import refused
@@ -67,7 +72,7 @@ def test_uniform_suspension_hangs_in_the_gas(on):
     drag = wen_yu(rho, mu, d_p)
     u = brentq(lambda u: drag(s, u) * u - (1 - s) * (2500 - rho) * 9.81, 1e-6, 10)
     p = (HEIGHT - on.centres[:, -1]) * (s * 2500 + (1 - s) * rho) * 9.81
-    ends = {"bottom": Inlet((1 - s) * u), "top": Outlet()}
+    ends = {"bottom": InletCondition((1 - s) * u), "top": OutletCondition()}
     b = bed(
         on, closures(drag), sides(on, SLIP, **ends), gravity(on), rho_gas=rho, mu_gas=mu
     )
@@ -80,7 +85,12 @@ def test_uniform_suspension_hangs_in_the_gas(on):
 
 def test_column_of_gas_rests(on):
     p = (HEIGHT - on.centres[:, -1]) * 1.2 * 9.81
-    b = bed(on, closures(100.0), sides(on, Wall(), top=Outlet()), gravity(on))
+    b = bed(
+        on,
+        closures(100.0),
+        sides(on, WallCondition(), top=OutletCondition()),
+        gravity(on),
+    )
     b.start(p=p)
     advance(b, 20)
     assert np.abs(b.state.u_gas).max() < 1e-13
@@ -121,7 +131,11 @@ def test_packed_bed_rests_below_an_outlet(kind, axis, superficial, most):
     b = bed(
         on,
         laws,
-        sides(on, Wall("slip", "no_slip"), **{low: Inlet(superficial), high: Outlet()}),
+        sides(
+            on,
+            WallCondition("slip", "no_slip"),
+            **{low: InletCondition(superficial), high: OutletCondition()},
+        ),
         tuple(-9.81 * (np.arange(on.dimension) == axis)),
         Options(dt_max=2e-3),
     )
@@ -134,7 +148,7 @@ def test_uniform_flow_stays_uniform(on):
     b = bed(
         on,
         closures(),
-        sides(on, SLIP, bottom=Inlet(1.0), top=Outlet()),
+        sides(on, SLIP, bottom=InletCondition(1.0), top=OutletCondition()),
         gravity(on, 0.0),
     )
     b.start(u_gas=upwards(on, 1.0))
@@ -152,7 +166,7 @@ def test_noise_fades(on):
     b = bed(
         on,
         closures(),
-        sides(on, SLIP, bottom=Inlet(0.5), top=Outlet()),
+        sides(on, SLIP, bottom=InletCondition(0.5), top=OutletCondition()),
         gravity(on, 0.0),
     )
     uniform = upwards(on, 0.5)
@@ -189,7 +203,7 @@ def test_solids_are_kept_between_johnson_jackson_walls(on):
     """V8: 1e-12 of the mass, with what came in and went out; the flux of both phases
     has no divergence.
     """
-    feed = Inlet(1.0, eps_s=0.05, solid_flux=60.0, theta=1e-3)
+    feed = InletCondition(1.0, eps_s=0.05, solid_flux=60.0, theta=1e-3)
     laws = closures(
         wen_yu(1.2, 1.8e-5, 275e-6),
         1.0,
@@ -200,8 +214,8 @@ def test_solids_are_kept_between_johnson_jackson_walls(on):
         friction=400.0,
         rubbing=1.0,
     )
-    wall = Wall("no_slip", "johnson_jackson", 0.1, 0.9)
-    b = bed(on, laws, sides(on, wall, bottom=feed, top=Outlet()), gravity(on))
+    wall = WallCondition("no_slip", "johnson_jackson", 0.1, 0.9)
+    b = bed(on, laws, sides(on, wall, bottom=feed, top=OutletCondition()), gravity(on))
     noise = np.random.default_rng(2).uniform(-1, 1, len(on.cells))
     b.start(
         eps_s=0.3 * (1 + 0.1 * noise) * (on.centres[:, -1] < 0.05),
@@ -282,7 +296,14 @@ def test_gas_flow_in_a_pipe_is_parabolic(shape):
         )
         on = grid.build(meshing.build(pipe), [("bottom", "top")])
         exact = upwards(on, 1 - (on.centres[:, 0] / R) ** 2)
-        b = bed(on, closures(), sides(on, Wall()), (0.0, 0.0), rho_gas=1.0, mu_gas=mu)
+        b = bed(
+            on,
+            closures(),
+            sides(on, WallCondition()),
+            (0.0, 0.0),
+            rho_gas=1.0,
+            mu_gas=mu,
+        )
         b.model.sources.force_gas[:, 1] = 4 * mu / R**2
         b.start(u_gas=exact)
         for _ in range(50):

@@ -10,7 +10,12 @@ from numpy.testing import assert_array_equal
 from contbed.mesh import build as meshing
 from contbed.ranks.two_fluid.division import OF_FACES, OF_INTERIOR, Division
 from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshLine, MeshRectangle
-from contbed.two_fluid.boundary import Inlet, Outlet, Wall, assemble
+from contbed.two_fluid.boundary import (
+    InletCondition,
+    OutletCondition,
+    WallCondition,
+    assemble,
+)
 from contbed.two_fluid.end_pressure import end_pressure
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.fv.connections import connect
@@ -58,8 +63,11 @@ def outline(mesh, periodic=()):
 
 
 def conditions(of):
-    known = {"bottom": Inlet(velocity=0.3), "top": Outlet(pressure=2.0)}
-    return {name: known.get(name, Wall()) for name in of.boundaries}
+    known = {
+        "bottom": InletCondition(velocity=0.3),
+        "top": OutletCondition(pressure=2.0),
+    }
+    return {name: known.get(name, WallCondition()) for name in of.boundaries}
 
 
 @pytest.mark.parametrize("name", GRIDS)
@@ -103,7 +111,7 @@ def test_outline_of_a_floor_that_is_no_outlet(axis):
     mesh = shaken_mesh("triangle", (12, 12))
     whole, kept, side = grid.build(mesh), outline(mesh), -1 if axis == "bottom" else 1
     edges = [
-        assemble(on, {name: Wall() for name in on.boundaries}, 2500.0)
+        assemble(on, {name: WallCondition() for name in on.boundaries}, 2500.0)
         for on in (whole, kept)
     ]
     one, other = (

@@ -16,7 +16,7 @@ from contbed.loading import from_dict
 from contbed.mesh import build as meshing
 from contbed.scene.mesh import MeshRectangle
 from contbed.two_fluid import implicit
-from contbed.two_fluid.boundary import Inlet, Outlet, Wall
+from contbed.two_fluid.boundary import InletCondition, OutletCondition, WallCondition
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.linear.pressure_solver import PressureSolver
 from contbed.two_fluid.simulation import Simulation
@@ -128,7 +128,11 @@ def around_a_tube():
     sides = {"walls": lambda x: (x[1] > 1e-9) & (x[1] < 0.12 - 1e-9)}
     named = replace(cut, _boundaries=None).with_boundaries(ends | sides)
     on = grid.build(replace(mesh, skfem=named))
-    conditions = {"bottom": Inlet(velocity=0.5), "top": Outlet(), "walls": Wall()}
+    conditions = {
+        "bottom": InletCondition(velocity=0.5),
+        "top": OutletCondition(),
+        "walls": WallCondition(),
+    }
     found = bed(
         on,
         closures(drag=2000.0, pressure=1.0, viscosity=0.01, conductivity=0.01),

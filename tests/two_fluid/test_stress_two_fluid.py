@@ -8,7 +8,7 @@ from gmsh_meshes import IN_3D, geometry
 
 from contbed.loading import from_dict
 from contbed.two_fluid import plan as planning
-from contbed.two_fluid.packing import FrictionTable, frictional_pressure
+from contbed.two_fluid.solids_pressure import FrictionTable, frictional_pressure
 from tests.scene_text import scene_of
 
 WALL = {"type": "wall"}

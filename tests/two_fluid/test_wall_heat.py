@@ -15,7 +15,12 @@ from contbed.mesh import build as meshing
 from contbed.models import plan
 from contbed.scene.mesh import MeshAxisymmetric, MeshBox
 from contbed.two_fluid import run as study
-from contbed.two_fluid.boundary import Given, Inlet, Outlet, symmetry
+from contbed.two_fluid.boundary import (
+    GivenFields,
+    InletCondition,
+    OutletCondition,
+    symmetry,
+)
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.heat.equations import stored_heat
 from contbed.two_fluid.heat.model import Physics, Thermal, build_heat
@@ -204,8 +209,8 @@ def test_steady_heat_is_linear(on, off):
 def sliding(cells, u, height=0.1, options=None, wall=400.0):
     """Particles and gas that slide upwards along a hot wall on the left."""
     on = rectangle(0.05, height, cells)
-    sides = {"left": SLIP, "right": SLIP, "top": Outlet()}
-    sides["bottom"] = Inlet(u * (1 - EPS_S), EPS_S, solid_velocity=u)
+    sides = {"left": SLIP, "right": SLIP, "top": OutletCondition()}
+    sides["bottom"] = InletCondition(u * (1 - EPS_S), EPS_S, solid_velocity=u)
     thermal = {"bottom": Thermal(300.0, 300.0), "left": Thermal(wall=wall)}
     options = options or Options(dt_max=0.01, theta="frozen")
     made = heated(on, sides, thermal, options=options)
@@ -405,7 +410,9 @@ def towards_the_wall(cells, rate=1.0, depth=0.02):
     def u(x):
         return rate * np.stack((-x[:, 0], x[:, 1]), axis=1)
 
-    given = Given(u, u, lambda x: np.full(len(x), EPS_S), lambda x: np.zeros(len(x)))
+    given = GivenFields(
+        u, u, lambda x: np.full(len(x), EPS_S), lambda x: np.zeros(len(x))
+    )
     sides = dict.fromkeys(("right", "top", "bottom"), given) | {"left": SLIP}
     thermal = {"right": Thermal(300.0, 300.0), "left": Thermal(wall=400.0)}
     thermal["bottom"] = Thermal(300.0, 300.0)

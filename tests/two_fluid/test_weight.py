@@ -11,7 +11,12 @@ from gmsh_meshes import KINDS, sides, unstructured
 from pytest import approx
 
 from contbed.two_fluid import momentum_budget, results
-from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
+from contbed.two_fluid.boundary import (
+    InletCondition,
+    OutletCondition,
+    WallCondition,
+    symmetry,
+)
 from contbed.two_fluid.model import Options
 
 SLIP = symmetry()
@@ -23,7 +28,10 @@ def carried(cells, velocity):
     """What carries the bed between its lowest and highest cell with friction, over its
     weight; with the friction of the faces, and with that of the two cells.
     """
-    sides = {"left": Inlet(velocity) if velocity else symmetry(), "right": Outlet()}
+    sides = {
+        "left": InletCondition(velocity) if velocity else symmetry(),
+        "right": OutletCondition(),
+    }
     laws = closures(
         1e4,
         pressure=1.0,
@@ -79,7 +87,12 @@ def test_pressure_carries_a_uniform_suspension():
     s, u = 0.4, 0.5
     # K u = (1 - s) (rho_s - rho_g) g
     drag = (s * 2500 + (1 - s) * 1.2 - 1.2) * 9.81 * (1 - s) / s / u
-    sides = {"left": SLIP, "right": SLIP, "bottom": Inlet((1 - s) * u), "top": Outlet()}
+    sides = {
+        "left": SLIP,
+        "right": SLIP,
+        "bottom": InletCondition((1 - s) * u),
+        "top": OutletCondition(),
+    }
     b = bed(
         rectangle(0.1, 0.2, (5, 10)), closures(drag), sides, (0.0, -9.81), rho_gas=1.2
     )
@@ -97,7 +110,7 @@ def test_pressure_carries_a_uniform_suspension():
 def test_walls_carry_what_falls_steadily():
     # nothing below or above: the shear of both phases on the walls is the weight,
     # whatever the momentum was before
-    wall = Wall(gas="no_slip", solid="no_slip")
+    wall = WallCondition(gas="no_slip", solid="no_slip")
     grid = rectangle(0.1, 0.05, (8, 4), [("bottom", "top")])
     b = bed(
         grid,
@@ -116,7 +129,7 @@ def test_walls_carry_what_falls_steadily():
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("roof", [Wall(), Outlet()])
+@pytest.mark.parametrize("roof", [WallCondition(), OutletCondition()])
 def test_pressure_drop_reaches_from_floor_to_roof(kind, roof):
     """Exact where the pressure is linear, along the walls as well; an outlet has the
     pressure outside.
@@ -126,7 +139,7 @@ def test_pressure_drop_reaches_from_floor_to_roof(kind, roof):
     b = bed(
         on,
         closures(),
-        sides(on, Wall(), top=roof),
+        sides(on, WallCondition(), top=roof),
         (*(0.0,) * (on.dimension - 1), -9.81),
     )
     p = 500.0 + on.centres[:, -1] * along
@@ -134,6 +147,6 @@ def test_pressure_drop_reaches_from_floor_to_roof(kind, roof):
     if not on.axisymmetric:  # the area of whose floor is not centred
         p += across * on.centres[:, 0]
         floor += across * 0.03
-    above = outside if isinstance(roof, Outlet) else floor + height * along
+    above = outside if isinstance(roof, OutletCondition) else floor + height * along
     b.state = replace(b.state, p=p)
     assert results.pressure_drop(b) == approx(floor - above, abs=1e-9)

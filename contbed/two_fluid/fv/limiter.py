@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contbed.two_fluid.compiled import UNDERFLOW, Array, Flags, inner, kernel
+from contbed.two_fluid.compiled import UNDERFLOW, Array, Flags, kernel
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.halo import WHOLE, Halo
 
@@ -33,38 +33,6 @@ MIN_COUNTED_CHANGE = 1e-9  # [-] change of eps_s from which on a limited flux is
 # share of its particles left in a cell, below which it gives its own values to its
 # faces
 MIN_LEFT = 0.75
-
-
-@inner
-def _fill(
-    g: Geometry,
-    dt: float,
-    s: Array,
-    source: Array,
-    flux: Array,
-    gain: Array,
-    loss: Array,
-    out: Array,
-) -> None:
-    """Set out = eps_s after the step with the volume flux [m3/s] and the
-    source [1/s]; gain and loss of the cells.
-    """
-    ni = len(g.right)
-    for c in range(len(s)):
-        gain[c] = max(0.0, source[c]) * g.volume[c]
-        loss[c] = -min(0.0, source[c]) * g.volume[c]
-    for f in range(len(g.left)):
-        rate = flux[f]
-        if rate >= 0.0:
-            loss[g.left[f]] += rate
-            if f < ni:
-                gain[g.right[f]] += rate
-        else:
-            gain[g.left[f]] -= rate
-            if f < ni:
-                loss[g.right[f]] -= rate
-    for c in range(len(s)):
-        out[c] = s[c] + dt * (gain[c] - loss[c]) / g.volume[c]
 
 
 class Bounds(NamedTuple):
@@ -98,10 +66,23 @@ def _find_shares(
     bounds hold.
     """
     s, highest, into, away = bounds.s, bounds.highest, shares.into, shares.away
-    gain, loss = np.empty(len(s)), np.empty(len(s))
-    _fill(g, dt, s, bounds.source, flux, gain, loss, out)
+    gain, loss, ni = np.empty(len(s)), np.empty(len(s)), len(g.right)
+    for c in range(len(s)):
+        gain[c] = max(0.0, bounds.source[c]) * g.volume[c]
+        loss[c] = -min(0.0, bounds.source[c]) * g.volume[c]
+    for f in range(len(g.left)):
+        rate = flux[f]
+        if rate >= 0.0:
+            loss[g.left[f]] += rate
+            if f < ni:
+                gain[g.right[f]] += rate
+        else:
+            gain[g.left[f]] -= rate
+            if f < ni:
+                loss[g.right[f]] -= rate
     right = True
     for c in range(len(s)):
+        out[c] = s[c] + dt * (gain[c] - loss[c]) / g.volume[c]
         into[c] = away[c] = 1.0
         content, room = s[c] * g.volume[c] / dt, (highest - s[c]) * g.volume[c] / dt
         if loss[c] > MAX_OUTFLOW * content:
@@ -139,15 +120,6 @@ def _reduce(
             flux[f] *= part
 
 
-@kernel
-def _finish(s: Array, out: Array, upwind_cells: Flags) -> None:
-    """Empty cells that hold next to nothing, and mark those that lost much."""
-    for c in range(len(s)):
-        if out[c] < UNDERFLOW:
-            out[c] = 0.0
-        upwind_cells[c] = out[c] < MIN_LEFT * s[c]
-
-
 def limit(
     g: Geometry,
     dt: float,
@@ -177,5 +149,6 @@ def limit(
             break
         _reduce(g, dt, shares, flux, touched)
     halo.exchange(out)
-    _finish(bounds.s, out, upwind_cells)
+    out[out < UNDERFLOW] = 0.0
+    upwind_cells[:] = out < MIN_LEFT * bounds.s
     return int(*halo.sum(int(touched[halo.faces].sum()))), turn

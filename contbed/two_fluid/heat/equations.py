@@ -54,7 +54,7 @@ from contbed.two_fluid.linear.cg import EXPLICIT_SHARE
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.state import Energy, State, booked, check_finite, fastest_gas
-from contbed.two_fluid.timing import phase
+from contbed.two_fluid.timing import timed
 
 
 class Conduction(NamedTuple):
@@ -169,7 +169,7 @@ def stored_heat(state: State, model: Model) -> float:
     )
 
 
-@phase("energy")
+@timed("energy")
 def advance(
     state: State, energy: Energy, moved: Moved, heat: HeatModel, dt: float, model: Model
 ) -> tuple[Energy, Array]:

@@ -11,11 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contbed.compiled.threads import parallel
 from contbed.errors import ConvergenceError
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.face_velocities import eliminate_drag
-from contbed.two_fluid.heat.kernels import conducted_out
+from contbed.two_fluid.fv.diffusion import conducted_out
 from contbed.two_fluid.heat.model import HeatModel
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.properties import slip_speed
@@ -57,9 +56,7 @@ def add_exchange(
     Return dt times the rates at which each phase follows the other, weighed.
     """
     p, materials = heat.physics, model.materials
-    speed = np.empty_like(eps_s)
-    parallel(slip_speed, len(speed), state.u_gas, state.u_solid, speed)
-    h = p.coefficient(eps_s, speed, energy.rho_ratio, energy.T_gas)
+    h = p.coefficient(eps_s, slip_speed(state), energy.rho_ratio, energy.T_gas)
     of_solid = dt * 6.0 * h / (materials.d_p * materials.rho_solid * p.cp_solid)
     of_gas = of_solid * content[:, 1] / content[:, 0]
     apart = energy.T_solid - energy.T_gas

@@ -16,6 +16,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Protocol
 
+from contbed.compiled import threads
 from contbed.errors import ConvergenceError
 from contbed.solvers.aggregation import Multigrid
 from contbed.two_fluid.compiled import Array
@@ -30,10 +31,10 @@ WIDEST_BAND_OF_LATTICE = 40
 # cells, up to which elimination is faster, measured in 2-D and 3-D:
 # studies/two_fluid_scaling
 WIDEST_BAND = 250
-# cells from which exchange is solved for on the lattice: with 300, plain iterations
-# take 1.3 ms of a step for 1.9, with 4800 both take as long, and the lattice shares
-# them among threads
-FEWEST_ON_LATTICE = 2000
+# cells from which exchange is solved for on the lattice, which several threads share:
+# with one thread plain iterations take as long (56 x 200 cells, 11.4 ms of a step and
+# 11.7 ms) or less (15 x 350 cells, 3.4 and 3.1 ms)
+FEWEST_ON_LATTICE = 2 * threads.LEAST
 
 
 def uses_elimination(grid: Grid) -> bool:

@@ -26,14 +26,14 @@ from contbed.two_fluid.face_velocities import (
     reconstruct_boundary_fractions,
     set_on_face,
 )
-from contbed.two_fluid.fluxes import (
+from contbed.two_fluid.fv.grid import Geometry
+from contbed.two_fluid.fv.reconstruction import Reconstruction
+from contbed.two_fluid.fv.rows import Rows
+from contbed.two_fluid.pressure_equation import (
     assemble_boundary_pressure,
     correct_boundary_fluxes,
     flux_and_link,
 )
-from contbed.two_fluid.fv.grid import Geometry
-from contbed.two_fluid.fv.reconstruction import Reconstruction
-from contbed.two_fluid.fv.rows import Rows
 from contbed.two_fluid.rectangular.fields import upwind_values
 from contbed.two_fluid.state import Fluxes
 

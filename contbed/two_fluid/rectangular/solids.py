@@ -10,7 +10,7 @@ from contbed.two_fluid.compiled import SMALLEST, ZERO, Array, inner, kernel
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.rows import Rows
 from contbed.two_fluid.linear.cg import System
-from contbed.two_fluid.packing import (
+from contbed.two_fluid.solids_pressure import (
     Solids,
     compaction_link,
     compaction_stiffness,
