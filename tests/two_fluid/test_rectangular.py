@@ -23,6 +23,13 @@ from contbed.two_fluid.simulation import Simulation
 from contbed.two_fluid.state import flatten, rebuild
 from tests.scene_text import changed, scene_of
 
+
+@pytest.fixture(autouse=True)
+def small_grids_in_rows(monkeypatch):
+    """Kernels over rows on grids of any size."""
+    monkeypatch.setattr(grid, "FEWEST_IN_ROWS", 0)
+
+
 HOT_BUBBLE = (
     Path(__file__).parents[2]
     / "studies"

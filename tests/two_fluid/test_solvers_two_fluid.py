@@ -4,11 +4,19 @@ import numpy as np
 import pytest
 from core_closures import line, rectangle
 
+from contbed.two_fluid.fv import grid as grid_lists
 from contbed.two_fluid.linear import cg
 from contbed.two_fluid.linear.cg import System
 from contbed.two_fluid.linear.elimination import Elimination
 from contbed.two_fluid.linear.lattice import build_levels
 from contbed.two_fluid.linear.lattice_multigrid import LatticeMultigrid, solve_exchange
+
+
+@pytest.fixture(autouse=True)
+def small_grids_in_rows(monkeypatch):
+    """Kernels over rows on grids of any size."""
+    monkeypatch.setattr(grid_lists, "FEWEST_IN_ROWS", 0)
+
 
 GRIDS = {
     "quadrilaterals": lambda: rectangle(0.1, 0.2, (7, 12)),

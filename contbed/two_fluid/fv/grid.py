@@ -33,6 +33,11 @@ from contbed.two_fluid.fv.connections import (
 from contbed.two_fluid.fv.halo import WHOLE, Halo
 from contbed.two_fluid.fv.rows import Rows, build_rows, part_of_rows
 
+# cells of a rectangular grid from which kernels over rows are used: a step of 300 cells
+# takes 1.10 ms with rows and 0.80 ms without, one of 2800 cells 4.0 and 4.1 ms, one of
+# 5250 cells 3.3 and 4.4 ms; without rows the first run compiles 8 s less
+FEWEST_IN_ROWS = 2000
+
 
 class Geometry(NamedTuple):
     """What the kernels need, for nf faces of which ni are interior, and nc cells.
@@ -135,12 +140,17 @@ class Grid:
         found /= g.volume
         return found
 
+    @property
+    def in_rows(self) -> bool:
+        """Whether kernels run over rows of a rectangular grid."""
+        return self.rectangular and len(self.cells) >= FEWEST_IN_ROWS
+
     @cached_property
     def rows(self) -> Rows | None:
-        """Rows of a rectangular grid, else None; built when a step needs them, as
+        """Rows of a large rectangular grid, else None; built when a step needs them, as
         ranks do not.
         """
-        if not self.rectangular:
+        if not self.in_rows:
             return None
         g = self.geometry
         arms, slopes = (g.arm_left, g.arm_right), (g.slope_left, g.slope_right)
@@ -173,7 +183,7 @@ class Grid:
         """Order in memory of vectors (nc, dim): with rows by component, so that each
         row is contiguous.
         """
-        return "F" if self.rectangular else "C"
+        return "F" if self.in_rows else "C"
 
     @property
     def face_count(self) -> int:

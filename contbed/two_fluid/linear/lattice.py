@@ -77,7 +77,7 @@ def build_levels(grid: Grid) -> Levels | None:
     """Lattices of a grid; None where it is not rectangular, or where a periodic pair
     closes it.
     """
-    if grid.places is None or grid.rows is None or grid.dimension == 1:
+    if grid.places is None or grid.dimension == 1:
         return None
     order = np.argsort(-grid.places.max(axis=0), kind="stable")
     place = grid.places[:, order]
@@ -103,9 +103,8 @@ def build_levels(grid: Grid) -> Levels | None:
     strides = np.array([1, sizes[0][0], sizes[0][0] * sizes[0][1]])
     index = first[0] + place @ strides[: grid.dimension]
     g, joined = grid.geometry, np.zeros((3, at))
-    axis = np.repeat(
-        np.argsort(order)[grid.rows.axis], grid.rows.length.astype(np.int64)
-    )
+    across = np.argmax(np.abs(g.normal[: grid.interior]), axis=1)
+    axis = np.argsort(order)[across]
     start = index[g.left[: grid.interior]]
     joined[axis, start] = 1.0
     faces = np.zeros((3, 2), dtype=np.int64)
