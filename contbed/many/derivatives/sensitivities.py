@@ -104,7 +104,18 @@ def table(found: Gradient, about: dict[str, Any]) -> str:
     lines = []
     for i, name in enumerate(found.qoi):
         unit = about["qoi"][name]["unit"]
-        rows = [_row(found, about, i, j) for j in order(found, i)]
+        rows = []
+        for _, key_name, value, below, slope, own, relative, error in _rows(
+            found, about, i
+        ):
+            shown = value and relative is not None
+            row = [
+                key_name,
+                f"{value:.{DIGITS}g}{behind(below)}",
+                f"{slope:.{DIGITS}g}{behind(own)}",
+                f"{relative:.{DIGITS - 2}g}" if shown else "-",
+            ]
+            rows.append(row if error is None else [*row, f"{error:.2g}"])
         head = ["key", "value", f"d {name}/d key", "relative"]
         head += ["standard error"] if found.standard_errors is not None else []
         lines.append(f"{name} = {found.values[i]:.{DIGITS}g}{behind(unit)}")
@@ -115,21 +126,6 @@ def table(found: Gradient, about: dict[str, Any]) -> str:
         "percent of the key"
     )
     return "\n".join([*lines, *(f"note: {note}" for note in found.notes)])
-
-
-def _row(found: Gradient, about: dict[str, Any], i: int, j: int) -> tuple[str, ...]:
-    name, relative = found.keys[j], found.logarithmic[i, j]
-    unit = about["keys"][name]["unit"]
-    own = quotient(about["qoi"][found.qoi[i]]["unit"], unit)
-    row = [
-        name,
-        f"{found.at[j]:.{DIGITS}g}{behind(unit)}",
-        f"{found.derivatives[i, j]:.{DIGITS}g}{behind(own)}",
-        f"{relative:.{DIGITS - 2}g}" if found.at[j] and np.isfinite(relative) else "-",
-    ]
-    if found.standard_errors is not None:
-        row.append(f"{found.standard_errors[i, j]:.2g}")
-    return tuple(row)
 
 
 def quotient(above: str, below: str) -> str:
@@ -162,21 +158,24 @@ def write(found: Gradient, about: dict[str, Any], out: Path, title: str) -> None
         "relative",
         "standard error",
     )
-    write_rows(out / f"{FILE}.csv", head, _rows(found, about))
+    rows = [row for i in range(len(found.qoi)) for row in _rows(found, about, i)]
+    write_rows(out / f"{FILE}.csv", head, rows)
     tornado(out / f"{FILE}.png", found, title)
 
 
-def _rows(found: Gradient, about: dict[str, Any]) -> Iterator[list[Any]]:
-    for i, name in enumerate(found.qoi):
-        for j in order(found, i):
-            unit = about["keys"][found.keys[j]]["unit"]
-            own = quotient(about["qoi"][name]["unit"], unit)
-            relative = float(found.logarithmic[i, j])
-            error = (
-                None if found.standard_errors is None else found.standard_errors[i, j]
-            )
-            row = [name, found.keys[j], found.at[j], unit, found.derivatives[i, j], own]
-            yield [*row, relative if np.isfinite(relative) else None, error]
+def _rows(found: Gradient, about: dict[str, Any], i: int) -> Iterator[list[Any]]:
+    """Yield the rows of the table of one result."""
+    name, errors = found.qoi[i], found.standard_errors
+    for j in order(found, i):
+        unit = about["keys"][found.keys[j]]["unit"]
+        own = quotient(about["qoi"][name]["unit"], unit)
+        relative = float(found.logarithmic[i, j])
+        row = [name, found.keys[j], found.at[j], unit, found.derivatives[i, j], own]
+        yield [
+            *row,
+            relative if np.isfinite(relative) else None,
+            None if errors is None else errors[i, j],
+        ]
 
 
 def tornado(path: Path, found: Gradient, title: str) -> None:
