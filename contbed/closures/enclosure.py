@@ -1,17 +1,16 @@
 """Radiation among the species at one place of a bed, without transport from place to
-place: three algebraic closures.
+place: two algebraic closures.
 
     equilibrium   E_R,m = K_a,m (4 sigma T_m^4 - G),  G = (4 sigma / K_a) sum_n K_a,n T_n^4          eqs. 32 and 34
     pairwise      E_R,m = sum_n 4 kappa_m f''_n eps_mn sigma (T_m^4 - T_n^4),  eps_mn by eq. 3         eqs. 2-11
-    enclosure     the same sum, 1/eps_mn = sum_k f''_k eps_k / (eps_m eps_n)       radiosities of N gray surfaces
 
 E_R,m is the heat that species m loses [W/m3 of emulsion] and sums to zero over the
 species; times the section of the emulsion it is the term of the paper [W/m].
 f''_m = kappa_m / sum kappa is the share of m in the surface of all particles, and 4
 kappa_m its surface per volume (coefficients of packing "independent"). All particles
 are bathed in one mixture, so the view factor from any species to n is f''_n. Then
-equilibrium is the enclosure, for any number of species; pairwise equals both for two
-and differs for more, since eq. 3 rewritten,
+equilibrium is the enclosure of N gray surfaces, for any number of species; pairwise
+equals it for two and differs for more, since eq. 3 rewritten,
 
     1/eps_mn = (f''_m eps_m + f''_n eps_n + (1 - f''_m - f''_n) eps_m eps_n) / (eps_m eps_n)
 
@@ -30,12 +29,9 @@ otherwise there.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from contbed.closures.optics import SIGMA, per_species
-
-Emissivity = Callable[[Any, Any, Any, Any, Any], Any]
 
 
 def irradiation_equilibrium(absorption: Any, T: Any) -> Any:
@@ -78,42 +74,17 @@ def exchange_pairwise(extinction: Any, emissivity: Any, T: Any) -> Any:
     emissivity : [-] eps_m
     T : [K] temperature of each species
     """
-
-    def of_pair(f_m: Any, f_n: Any, eps_m: Any, eps_n: Any, absorbing: Any) -> Any:
-        return (
-            eps_m
-            * eps_n
-            / (f_m * eps_m + f_n * eps_n + (1 - f_m - f_n) * eps_m * eps_n)
-        )
-
-    return _exchange(extinction, emissivity, T, of_pair)
-
-
-def exchange_enclosure(extinction: Any, emissivity: Any, T: Any) -> Any:
-    """Heat lost by each species [W/m3] as N gray surfaces with view factors f''_n.
-    Arguments: see exchange_pairwise.
-    """
-
-    def of_pair(f_m: Any, f_n: Any, eps_m: Any, eps_n: Any, absorbing: Any) -> Any:
-        return eps_m * eps_n / absorbing
-
-    return _exchange(extinction, emissivity, T, of_pair)
-
-
-def _exchange(extinction: Any, emissivity: Any, T: Any, of_pair: Emissivity) -> Any:
-    """Sum over the pairs; each pair is computed once, so that what one species loses
-    the other gains (eqs. 8 and 9).
-    """
     total = sum(extinction)
     share = [kappa / total for kappa in extinction]
-    absorbing = sum(f * eps for f, eps in zip(share, emissivity, strict=True))
     power = [SIGMA * t**4 for t in T]
     lost = [0.0 * each for each in power]
     for m in range(len(power)):
         for n in range(m):
-            eps_mn = of_pair(
-                share[m], share[n], emissivity[m], emissivity[n], absorbing
+            # each pair once: what one species loses the other gains (eqs. 8 and 9)
+            f_m, f_n, both = share[m], share[n], emissivity[m] * emissivity[n]
+            eps_mn = both / (
+                f_m * emissivity[m] + f_n * emissivity[n] + (1 - f_m - f_n) * both
             )
-            passed = 4 * extinction[m] * share[n] * eps_mn * (power[m] - power[n])
+            passed = 4 * extinction[m] * f_n * eps_mn * (power[m] - power[n])
             lost[m], lost[n] = lost[m] + passed, lost[n] - passed
     return per_species(T, lost)
