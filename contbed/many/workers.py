@@ -10,77 +10,61 @@ from __future__ import annotations
 import os
 import random
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any, TypeVar
 
 from contbed.compiled.orphans import end_with
 from contbed.errors import ContbedError
-from contbed.many.runs import Case, compute, give_up, is_begun, known
 from contbed.many.store import Content
 
 ATTEMPTS = 3  # times that workers may die before they begin a run
 
-Found = Iterator[tuple[Case, Content]]
+Task = TypeVar("Task", bound=tuple[Any, ...])  # the arguments of a function
 
 
-def in_this_process(cases: list[Case], out: Path) -> Found:
-    """Yield one run after the other."""
-    for case in cases:
-        yield case, compute(case, out)
+def computed(
+    function: Callable[..., Content],
+    tasks: Sequence[Task],
+    jobs: int,
+    begun: Callable[[Task], bool],
+    lost: Callable[[Task], Content],
+) -> Iterator[tuple[Task, Content]]:
+    """Yield each task with what a function returns for it, in the order in which they
+    end, from `jobs` processes; -1 means one for each core, and 1 this process.
 
-
-def on_this_machine(cases: list[Case], out: Path, jobs: int) -> Found:
-    """Yield the runs of `jobs` processes in the order in which they end; -1 means
-    one for each core.
+    Where a process dies, each task that has `begun` is done again alone, and if it
+    kills its process there too, its outcome is that of a `lost` one.
     """
-    batches, deaths = deque([random.sample(cases, len(cases))]), 0
+    if jobs == 1 or not tasks:
+        yield from ((task, function(*task)) for task in tasks)
+        return
+    batches, deaths = deque([random.sample(tasks, len(tasks))]), 0
     while batches:
-        batch, done = batches.popleft(), set()
+        batch = batches.popleft()
+        left = dict(enumerate(batch))
         try:
-            for case, outcome in pooled(
-                _pair, [(case, out) for case in batch], jobs, batch=1
-            ):
-                done.add(case.name)
-                yield case, outcome
+            for number, outcome in _pooled(function, batch, jobs):
+                yield left.pop(number), outcome
         except BrokenProcessPool:
-            left: list[Case] = []
-            for case in batch:
-                if case.name in done:
-                    continue
-                if (found := known(case, out)) is None:
-                    left.append(case)
-                else:
-                    yield case, found
-            begun = [case for case in left if is_begun(case, out)]
-            if len(batch) == 1 and begun:
-                yield batch[0], give_up(batch[0], out)
+            alone = [number for number, task in left.items() if begun(task)]
+            if len(batch) == 1 and alone:
+                yield batch[0], lost(batch[0])
                 continue
-            deaths = 0 if begun or len(left) < len(batch) else deaths + 1
+            deaths = 0 if alone or len(left) < len(batch) else deaths + 1
             if deaths == ATTEMPTS:
                 raise ContbedError(
                     "the worker processes die before they begin; see whether memory is "
                     "left"
                 ) from None
-            batches.extendleft(
-                [
-                    [case for case in left if case not in begun],
-                    *([case] for case in begun),
-                ]
-            )
+            batches.append([left[number] for number in left if number not in alone])
+            batches.extendleft([left[number]] for number in alone)
 
 
-def pooled(
-    function: Callable[..., Any],
-    tasks: Iterable[tuple[Any, ...]],
-    jobs: int,
-    batch: int | Literal["auto"] = "auto",
-) -> Iterator[Any]:
-    """Yield what a function returns for the arguments of each task, from `jobs`
-    processes, as they end.
-
-    `batch` is the number of tasks that a process takes at a time.
+def _pooled(
+    function: Callable[..., Content], tasks: Iterable[Task], jobs: int
+) -> Iterator[tuple[int, Content]]:
+    """Yield the number of each task and its outcome.
 
     Raises
     ------
@@ -89,15 +73,16 @@ def pooled(
     from joblib import Parallel, delayed, parallel_config
 
     with parallel_config(backend="loky", inner_max_num_threads=1):
-        pool = Parallel(n_jobs=jobs, batch_size=batch, return_as="generator_unordered")
+        pool = Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered")
         worker = delayed(_in_worker)
-        yield from pool(worker(os.getpid(), function, task) for task in tasks)
+        yield from pool(
+            worker(os.getpid(), function, number, task)
+            for number, task in enumerate(tasks)
+        )
 
 
-def _in_worker(parent: int, function: Callable[..., Any], task: tuple[Any, ...]) -> Any:
+def _in_worker(
+    parent: int, function: Callable[..., Content], number: int, task: Task
+) -> tuple[int, Content]:
     end_with(parent)
-    return function(*task)
-
-
-def _pair(case: Case, out: Path) -> tuple[Case, Content]:
-    return case, compute(case, out)
+    return number, function(*task)

@@ -230,13 +230,13 @@ def test_workers_end_with_a_parent_that_is_killed(folder):
     """Within 5 s, in the middle of whatever they compute."""
     code = """
         import os, time
-        from contbed.many.workers import pooled
+        from contbed.many.workers import computed
         def work(name):
             open(name, "w").write(str(os.getpid()))
             os.rename(name, name + ".pid")
             while True:
                 sum(range(10**6))
-        list(pooled(work, [("a",), ("b",)], 2, batch=1))
+        list(computed(work, [("a",), ("b",)], 2, bool, bool))
     """
     environment = {**os.environ, "PYTHONPATH": str(Path(contbed.__file__).parents[1])}
     parent = subprocess.Popen(

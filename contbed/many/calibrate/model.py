@@ -5,7 +5,6 @@ and computed on several cores.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures.process import BrokenProcessPool
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,7 +17,7 @@ from contbed.many.calibrate.settings import FittedKey
 from contbed.many.runs import DIED, KILLED, failure
 from contbed.many.store import Content, Store, key_of
 from contbed.many.value_sets import tidy
-from contbed.many.workers import pooled
+from contbed.many.workers import computed
 from contbed.result import Result
 from contbed.scene.identity import scene_hash
 from contbed.scene.tables import SceneBase
@@ -167,23 +166,15 @@ class SceneModel:
         """Yield the outcomes of runs, or of derivatives to keys; a process that dies
         takes one run with it.
         """
-        tasks = [(name, scene, job, keys) for name, (scene, job) in waiting.items()]
-        if self._processes == 1:
-            yield from (_pair(*task) for task in tasks)
-            return
-        done = set()
-        try:
-            for name, outcome in pooled(_pair, tasks, self._processes):
-                done.add(name)
-                yield name, outcome
-        except BrokenProcessPool:
-            for task in tasks:
-                if task[0] in done:
-                    continue
-                try:
-                    yield from pooled(_pair, [task], self._processes)
-                except BrokenProcessPool:
-                    yield task[0], {"exit_code": KILLED, "problem": DIED}
+        found = computed(
+            _outcome,
+            [(name, scene, job, keys) for name, (scene, job) in waiting.items()],
+            self._processes,
+            begun=lambda task: True,
+            lost=lambda task: {"exit_code": KILLED, "problem": DIED},
+        )
+        for (name, *_), outcome in found:
+            yield name, outcome
 
 
 def _name(scene: Any, job: Job) -> str:
@@ -193,24 +184,19 @@ def _name(scene: Any, job: Job) -> str:
     )
 
 
-def _pair(
-    name: str, scene: SceneBase, job: Job, keys: tuple[str, ...]
-) -> tuple[str, Content]:
+def _outcome(_: str, scene: SceneBase, job: Job, keys: tuple[str, ...]) -> Content:
     from contbed.runner import run
 
     try:
         result = run(scene)
         if keys:
-            return name, {
-                "exit_code": 0,
-                "problem": "",
-                "slopes": _slopes(result, job, keys),
-            }
+            slopes = _slopes(result, job, keys)
+            return {"exit_code": 0, "problem": "", "slopes": slopes}
     except Exception as error:  # one broken run must not lose the others
         if interrupt_in(error) is not None:
             raise
-        return name, _failed(error, {})
-    return name, {"exit_code": 0, "problem": "", "values": observe(result, job.points)}
+        return _failed(error, {})
+    return {"exit_code": 0, "problem": "", "values": observe(result, job.points)}
 
 
 def _slopes(

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from contbed.errors import SceneError
-from contbed.many import workers
-from contbed.many.runs import is_damaged, known
+from contbed.many.runs import compute, give_up, is_begun, is_damaged, known
 from contbed.many.store import Content, locked
 from contbed.many.sweep import table
 from contbed.many.sweep.study import Study, read_study
 from contbed.many.sweep.table import Row
+from contbed.many.workers import computed
 from contbed.output.folder import prepare_study
 from contbed.output.progress import Progress
 from contbed.scene.names import nearest
@@ -102,7 +102,16 @@ def sweep(
     ]
     try:
         with Progress(len(todo.cases), "runs", quiet) as progress:
-            for case, outcome in _found(todo, folder, outcomes, jobs):
+            waiting = [
+                (case, folder) for case in todo.cases if case.name not in outcomes
+            ]
+            for (case, _), outcome in computed(
+                compute,
+                waiting,
+                jobs,
+                begun=lambda task: is_begun(*task),
+                lost=lambda task: give_up(*task),
+            ):
                 outcomes[case.name] = outcome
                 failed = sum(
                     bool(outcome["exit_code"]) for outcome in outcomes.values()
@@ -145,15 +154,6 @@ def _alone(folder: Path) -> Iterator[None]:
             yield
     finally:
         os.close(descriptor)
-
-
-def _found(
-    todo: Study, folder: Path, outcomes: dict[str, Content], jobs: int
-) -> workers.Found:
-    waiting = [case for case in todo.cases if case.name not in outcomes]
-    if jobs == 1 or not waiting:
-        return workers.in_this_process(waiting, folder)
-    return workers.on_this_machine(waiting, folder, jobs)
 
 
 def _require_known(todo: Study, rows: list[Row]) -> None:
