@@ -198,9 +198,9 @@ def visited(runs: Runs) -> dict[str, Range]:
     summary = runs.summary(folder)
     found: dict[str, Range] = {}
     for closure in summary["closures"]:
-        for name, use in (
-            closure["ranges"].items() if closure["name"].endswith(".toml") else ()
-        ):
+        if not closure["name"].endswith(".toml"):
+            continue
+        for name, use in closure["ranges"].items():
             # solid phases of a bubbling bed have a range each
             low, high = found.get(name, (np.inf, -np.inf))
             found[name] = (
@@ -287,42 +287,33 @@ def parts_of(runs: Runs, fits: Fits, base: Mapping[str, float]) -> list[Part]:
     """
     beds = list(range(len(fits.ensemble.beds)))
     porosity = float(fits.ensemble.porosities.mean())
-    best, laws, given = fits.of(beds), fits.choices, runs.cascade.reactor.at
+    best, given = fits.of(beds), runs.cascade.reactor.at
     at = given(porosity)
     single = [
         runs.results(fits.of([bed]), given(float(fits.ensemble.porosities[bed])))
         for bed in beds
     ]
-    found = [_spread("packing", single, 1)]
-    found.append(
-        _spread(
-            "fit",
-            [runs.results(one, at) for one in drawn(best, FIT_SAMPLES, seed=0)],
-            1,
-        )
-    )
-    if laws[0] > 1:
-        results = [
-            runs.results(fits.of(beds, conduction=k), at) for k in range(laws[0])
-        ]
-        found.append(_spread("law of conduction", results, 0))
-    if laws[1] > 1:
-        results = [runs.results(fits.of(beds, exchange=k), at) for k in range(laws[1])]
-        found.append(_spread("law of exchange", results, 0))
+    fitted = [runs.results(one, at) for one in drawn(best, FIT_SAMPLES, seed=0)]
+    found = [_spread("packing", single, lost=1), _spread("fit", fitted, lost=1)]
+    for law, count in zip(("conduction", "exchange"), fits.choices, strict=True):
+        if count > 1:
+            chosen = [fits.of(beds, **{law: k}) for k in range(count)]
+            results = [runs.results(one, at) for one in chosen]
+            found.append(_spread(f"law of {law}", results))
     for kind, (name, scatter) in scatter_of(runs.cascade).items():
         ends = [
             runs.results(best | {kind: best[kind].times(np.exp(sign * scatter))}, at)
             for sign in (-1.0, 1.0)
         ]
-        found.append(_spread(f"scatter of {name}", ends, 0))
+        found.append(_spread(f"scatter of {name}", ends))
     for key, value, uncertainty in runs.cascade.uncertain:
         middle = at.get(key, value)
         ends = [
             runs.results(best, at | {key: middle + sign * uncertainty})
             for sign in (-1.0, 1.0)
         ]
-        found.append(_spread(key, ends, 0))
-    found.append(_spread("mesh", [base, _on_finer_mesh(runs, best, at)], 0, scale=2.0))
+        found.append(_spread(key, ends))
+    found.append(_spread("mesh", [base, _on_finer_mesh(runs, best, at)], scale=2.0))
     return found
 
 
@@ -343,14 +334,15 @@ def _on_finer_mesh(
 ) -> dict[str, float] | None:
     scene = runs.cascade.scene
     automatic = not isinstance(scene.mesh, MeshFile) and scene.mesh.cells is None
-    if automatic:
-        return runs.results(
-            fits, {**at, "solver.tolerance": TIGHTER * scene.solver.tolerance}
-        )
-    return runs.results(fits, {**at, "mesh.refine": scene.mesh.refine + 1})
+    key, value = (
+        ("solver.tolerance", TIGHTER * scene.solver.tolerance)
+        if automatic
+        else ("mesh.refine", scene.mesh.refine + 1)
+    )
+    return runs.results(fits, {**at, key: value})
 
 
-def _spread(name: str, results: list[Any], lost: int, scale: float = 1.0) -> Part:
+def _spread(name: str, results: list[Any], lost: int = 0, scale: float = 1.0) -> Part:
     """Return the standard deviation of each result; `lost` degrees of freedom are
     those of a mean from the sample.
     """
