@@ -42,7 +42,7 @@ from pydantic import Field
 from contbed.errors import ContbedError, SceneError
 from contbed.many.study_file import StudyFile
 from contbed.many.tables import aligned, write_rows
-from contbed.output.files import atomic
+from contbed.output.files import write_text
 from contbed.output.folder import prepare_study
 from contbed.scene.quantities import Positive, Table, Whole
 
@@ -158,8 +158,7 @@ def bench(study: str | Path, out: str | Path, trust: bool = False) -> Bench:
     for race in plan.race:
         rows += _race(race, plan.repeats, study, out, skipped)
     found = Bench(tuple(rows), tuple(skipped), machine())
-    with atomic(out / "bench.txt") as temporary:
-        temporary.write_text(f"{found}\n", encoding="utf-8")
+    write_text(out / "bench.txt", f"{found}\n")
     write_rows(out / "bench.csv", HEADERS, rows)
     return found
 

@@ -63,6 +63,12 @@ def atomic(path: Path | str) -> Iterator[Path]:
             temporary.unlink()
 
 
+def write_text(path: Path | str, text: str) -> None:
+    """Write a text, whole or not at all."""
+    with atomic(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
 def prepare(folder: Path) -> None:
     """Make a folder and try to write into it, so that no work is done in vain.
 

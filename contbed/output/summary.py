@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from contbed.fields import labelled, name_of, span, unit_in, unit_of
-from contbed.output.files import atomic
+from contbed.output.files import write_text
 
 KEYS = (
     "status",
@@ -36,8 +36,7 @@ def write_json(path: Path | str, content: Mapping[str, Any]) -> None:
     """
     ordered = {key: content[key] for key in KEYS if key in content} | dict(content)
     text = json.dumps(plain(ordered), indent=2, ensure_ascii=False, allow_nan=False)
-    with atomic(path) as temporary:
-        temporary.write_text(text + "\n", encoding="utf-8")
+    write_text(path, text + "\n")
 
 
 def plain(value: Any) -> Any:

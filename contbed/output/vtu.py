@@ -18,7 +18,7 @@ from skfem.refdom import RefHex, RefLine, RefQuad, RefTet, RefTri
 
 from contbed.arrays import Array, Integers
 from contbed.fem.elements import Space, lagrange
-from contbed.output.files import atomic
+from contbed.output.files import atomic, write_text
 
 if TYPE_CHECKING:
     import skfem
@@ -256,5 +256,4 @@ def write_series(path: Path | str, files: Sequence[tuple[float, str]]) -> None:
         "  <Collection>",
     ]
     text = "\n".join([*head, *lines, "  </Collection>", "</VTKFile>", ""])
-    with atomic(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(path, text)

@@ -11,7 +11,7 @@ from typing import Any
 
 from contbed.errors import ContbedError
 from contbed.models import kind_of
-from contbed.output.files import atomic
+from contbed.output.files import write_text
 from contbed.output.folder import list_file, require_own
 from contbed.output.sketch import sketch, text_of
 from contbed.report import charts, page
@@ -61,8 +61,7 @@ def write(folders: Sequence[Path], file: Path | None = None) -> Path:
                 for folder, name in zip(folders, _names(folders), strict=True)
             ]
         )
-    with atomic(target) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(target, text)
     list_file(target)
     return target
 

@@ -16,7 +16,7 @@ from contbed.many.calibrate.fit import COVERAGE
 from contbed.many.calibrate.found import Calibrated
 from contbed.many.calibrate.settings import experiment_names
 from contbed.many.tables import Row, aligned, scene_text, write_rows
-from contbed.output.files import atomic
+from contbed.output.files import write_text
 from contbed.output.summary import write_json
 from contbed.output.tables import write_table
 from contbed.output.versions import versions
@@ -61,8 +61,7 @@ def write(found: Calibrated, out: Path) -> None:
         }
         write_table(out / "posterior.csv", each)
     for name, text in scenes(found, out).items():
-        with atomic(out / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+        write_text(out / name, text)
     write_json(out / "summary.json", summary(found))
 
 

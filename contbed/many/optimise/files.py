@@ -16,7 +16,7 @@ from contbed.many.optimise.found import Found, costs
 from contbed.many.optimise.problem import Constraint, Design
 from contbed.many.quantities import parameter, result
 from contbed.many.tables import scene_text, write_rows
-from contbed.output.files import atomic
+from contbed.output.files import write_text
 from contbed.output.summary import write_json
 from contbed.output.versions import versions
 
@@ -38,10 +38,7 @@ def write(folder: Path, design: Design, found: Found, evaluations: Evaluations) 
     scene = scene_text(
         design.scene_file, design.scene_at(found.evaluation.point), values, folder
     )
-    with atomic(folder / "optimum.toml") as temporary:
-        temporary.write_text(
-            f"{about}{design.objective.text}\n{scene}", encoding="utf-8"
-        )
+    write_text(folder / "optimum.toml", f"{about}{design.objective.text}\n{scene}")
     plot(folder / "convergence.png", design, found, evaluations.rows)
 
 
@@ -67,16 +64,16 @@ def write_table(folder: Path, design: Design, rows: Sequence[Evaluation]) -> Non
     signs = np.array([design.sign, *np.ones(len(design.constraints))])
     cells = []
     for number, row in enumerate(rows, 1):
-        values = [""] * (1 + len(excess))
-        if row.functions is not None:
-            values = [repr(float(value)) for value in row.functions * signs]
+        values = (
+            [None] * len(signs)
+            if row.functions is None
+            else (row.functions * signs).tolist()
+        )
         point = [
-            key.shown(v) if key.whole else repr(float(v))
+            round(v) if key.whole else float(v)
             for key, v in zip(design.keys, row.point, strict=True)
         ]
-        named = [
-            repr(row.qoi[name]) if name in row.qoi else "" for name in design.results
-        ]
+        named = map(row.qoi.get, design.results)
         state = [
             "yes" if row.differentiated else "",
             row.run,

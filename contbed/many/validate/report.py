@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -14,8 +13,8 @@ from contbed.many.tables import aligned
 from contbed.many.validate.deviations import COVERAGE
 from contbed.many.validate.score import Validated
 from contbed.many.validate.signal import resampled, spectrum, trace
-from contbed.output.files import atomic
 from contbed.output.plots import styled_figure
+from contbed.output.summary import write_json
 from contbed.output.versions import versions
 
 _WIDE = 4.4  # height of a row of the picture [inches]
@@ -52,8 +51,7 @@ def summary(done: Sequence[Validated]) -> dict[str, Any]:
 
 def write(done: Sequence[Validated], out: Path) -> None:
     """Write summary.json and validation.png into a folder."""
-    with atomic(out / "summary.json") as path:
-        path.write_text(json.dumps(summary(done), indent=1), encoding="utf-8")
+    write_json(out / "summary.json", summary(done))
     with styled_figure(
         out / "validation.png", _WIDE * len(done), "", width=11.0
     ) as figure:
