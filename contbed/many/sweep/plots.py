@@ -102,20 +102,18 @@ def plot(path: Path, study: Study, rows: list[Row]) -> None:
 
 def _axis(name: str, study: Study, rows: list[Row]) -> _Axis | None:
     values = [row.parameters[name] for row in rows]
+    texts = [str(value) for value in values]
+    choices = tuple(dict.fromkeys(texts))
+    if len(choices) == 1:
+        return None
     if all(
         isinstance(value, int | float) and not isinstance(value, bool)
         for value in values
     ):
         numbers = np.array(values, dtype=float)
-        return (
-            _Axis(parameter(name, values), numbers, (), name in study.logarithmic)
-            if len(set(values)) > 1
-            else None
-        )
-    texts = [str(value) for value in values]
-    choices = tuple(dict.fromkeys(texts))
+        return _Axis(parameter(name, values), numbers, (), name in study.logarithmic)
     places = np.array([choices.index(text) for text in texts], dtype=float)
-    return _Axis(parameter(name, values), places, choices) if len(choices) > 1 else None
+    return _Axis(parameter(name, values), places, choices)
 
 
 def _lines(
@@ -256,9 +254,8 @@ def _crosses(panel: Any, axis: _Axis, failed: Any) -> None:
 
 def _is_plane(axes: list[_Axis]) -> bool:
     """Return whether the points span a plane, and not a line."""
-    points = np.column_stack([axis.scaled for axis in axes])
-    points = (points - points.mean(axis=0)) / points.std(axis=0)
-    return bool(np.linalg.svd(points, compute_uv=False)[-1] > 1e-6 * len(points) ** 0.5)
+    correlation = np.corrcoef([axis.scaled for axis in axes])[0, 1]
+    return bool(abs(correlation) < 1.0 - 1e-12)
 
 
 def folded_label(label: str) -> str:
