@@ -60,11 +60,11 @@ class Evaluation:
         return self.functions
 
 
-def named_values(design: Design, at: Evaluation) -> dict[str, float]:
+def named_values(
+    design: Design, point: Array, qoi: Mapping[str, Any]
+) -> dict[str, float]:
     """Return the keys and results that expressions may use, by name."""
-    return design.values_at(at.point) | {
-        name: float(at.qoi[name]) for name in design.results
-    }
+    return design.values_at(point) | {name: float(qoi[name]) for name in design.results}
 
 
 @dataclass
@@ -142,11 +142,10 @@ class Evaluations:
     def _repeated(self, case: Case) -> list[Case]:
         """Return a case with as many seeds as the design repeats it."""
         places = seeds(case.scene)
-        scenes = [
-            case.scene,
-            *(with_seeds(case.scene, places, k) for k in range(1, self.design.repeats)),
-        ]
-        return [case, *(case_of(scene, case.parameters) for scene in scenes[1:])]
+        others = (
+            with_seeds(case.scene, places, k) for k in range(1, self.design.repeats)
+        )
+        return [case, *(case_of(scene, case.parameters) for scene in others)]
 
     def _outcome(self, case: Case) -> dict[str, Any]:
         """Return the outcome of a run, computed or kept."""
@@ -196,9 +195,7 @@ class Evaluations:
         """Return what is minimised and the excess of each constraint by the results
         of one run.
         """
-        values = self.design.values_at(point) | {
-            name: float(qoi[name]) for name in self.design.results
-        }
+        values = named_values(self.design, point, qoi)
         return [
             self.design.sign * self.design.objective(values),
             *(one.excess(values) for one in self.design.constraints),
@@ -229,7 +226,7 @@ class Evaluations:
         }
         if self.design.results:
             slopes |= self._gradient(at, names)
-        values = named_values(self.design, at)
+        values = named_values(self.design, at.point, at.qoi)
         parts = [one.derivatives(values) for one in self.design.constraints]
         rows = [
             {

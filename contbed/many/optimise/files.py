@@ -91,7 +91,7 @@ def _unit(unit: str) -> str:
 def summary(design: Design, found: Found, evaluations: Evaluations) -> dict[str, Any]:
     """Return the content of summary.json."""
     at, rows = found.evaluation, evaluations.rows
-    values = named_values(design, at)
+    values = named_values(design, at.point, at.qoi)
     slopes = found.slopes
     names = [key.name for key in design.keys]
     return {

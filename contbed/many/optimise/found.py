@@ -161,7 +161,7 @@ def costs(design: Design, found: Found) -> Iterator[str]:
     """
     if found.slopes is None or found.status == INFEASIBLE:
         return
-    values = named_values(design, found.evaluation)
+    values = named_values(design, found.evaluation.point, found.evaluation.qoi)
     for one, price, active in zip(
         design.constraints, found.prices, found.active, strict=True
     ):

@@ -55,7 +55,7 @@ class Optimisation:
         lines.
         """
         found, design = self.found, self.design
-        values = named_values(design, found.evaluation)
+        values = named_values(design, found.evaluation.point, found.evaluation.qoi)
         goal = design.objective
         aim = "largest" if design.maximise else "smallest"
         lines = [f"{aim} {goal.text}: {goal(values):.6g}{behind(goal.unit)}"]

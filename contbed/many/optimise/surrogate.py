@@ -25,10 +25,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.special import log_ndtr, ndtr
-from scipy.stats import qmc
+from scipy.spatial.distance import cdist
+from scipy.stats import norm, qmc
 
-from contbed.arrays import Array
+from contbed.arrays import Array, Flags
 from contbed.errors import ContbedError
 
 # of the kernel, of the bounds: shorter ones are noise, longer ones a plane
@@ -173,7 +173,7 @@ def propose(
         return Proposal(known.z[best], 0.0, feasible)
     mean, deviation = surrogate.predict(z)
     deviation = np.maximum(deviation, 1e-12 * surrogate.size)
-    log_holds = log_ndtr(-mean[:, 1:] / deviation[:, 1:]).sum(axis=1)
+    log_holds = norm.logcdf(-mean[:, 1:] / deviation[:, 1:]).sum(axis=1)
     if not feasible:
         chosen = int(np.argmax(log_holds))
         return Proposal(z[chosen], float(np.exp(log_holds[chosen])), False)
@@ -188,8 +188,7 @@ def propose(
 def expected_improvement(goal: float, mean: Array, deviation: Array) -> Array:
     """Return the expected value of max(goal - f, 0) of normally distributed f."""
     u = (goal - mean) / deviation
-    density = np.exp(-0.5 * u**2) / np.sqrt(2.0 * np.pi)
-    found: Array = deviation * (u * ndtr(u) + density)
+    found: Array = deviation * (u * norm.cdf(u) + norm.pdf(u))
     return found
 
 
@@ -214,9 +213,7 @@ def _candidates(best: Array, steps: Array, number: int) -> Array:
 
 def _unknown(z: Array, known: Array) -> Array:
     """Return the points that are not known: a run of one of these would add nothing."""
-    far = np.ones(len(z), dtype=bool)
-    for point in known:
-        far &= np.abs(z - point).max(axis=1) > SAME
+    far: Flags = (cdist(z, known, "chebyshev") > SAME).all(axis=1)
     return z[far]
 
 
