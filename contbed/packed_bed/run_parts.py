@@ -146,9 +146,10 @@ def check_state(plan: Plan, problem: Any, states: list[Any], result: Result) -> 
         return
     result.qoi["theta_overshoot"] = beyond
     if beyond > OVERSHOOT:
+        given = getattr(plan.scene.mesh, "cells", None) is not None
         result.warnings.append(
             f"theta leaves [0, 1] by {beyond:.2g}: a layer is not resolved; refine the "
-            "mesh or leave out mesh.cells"
+            f"mesh{' or leave out mesh.cells' if given else ''}"
         )
 
 
