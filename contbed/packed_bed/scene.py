@@ -160,7 +160,8 @@ class PhaseCondition(ThermalCondition):
 
     velocity: VelocityOrSeries | None = None
     """superficial, mean over the boundary, into the bed; a list is a vector; one
-    boundary gives it for the whole bed, absent: at rest"""
+    boundary gives it for the whole bed, absent: at rest; of one of several solids: its
+    speed times 1 - porosity, so that its flow is volume_share times this"""
 
     @property
     def ties(self) -> bool:

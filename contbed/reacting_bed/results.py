@@ -319,7 +319,9 @@ def _extents(
     if problem.reactions:
         points = inner, problem.line.points.ravel()
         both_ends = state, problem.line.vertices[[0, -1]]
-        result.qoi |= of_reactors.hot_spot(problem, points, both_ends)
+        # at the ends of a section only means over it are known
+        known = (points, both_ends) if problem.section is None else (points,)
+        result.qoi |= of_reactors.hot_spot(problem, *known)
         result.qoi |= of_reactors.space_velocities(problem)
 
 

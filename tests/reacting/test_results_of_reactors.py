@@ -10,7 +10,9 @@ from reacting_bed_scenes import MOLAR, R_GAS, P, T, equilibrium, ignition, isoth
 from solving import solved
 
 from contbed.chemistry.thermo import Equilibrium
+from contbed.loading import loads
 from contbed.reacting_bed.of_reactors import temperature_of
+from contbed.runner import run
 from tests.scene_text import set_keys
 
 GASES = {
@@ -122,3 +124,48 @@ def test_the_hot_spot_of_an_adiabatic_bed_is_its_end():
     qoi = solved(ignition(8.0, 8.0, 0.3, 6.0, 0.5)).qoi
     assert qoi["hot_spot_K"] == approx(qoi["T_fluid_out_K"], rel=1e-12)
     assert qoi["hot_spot_m"] == 1.0
+
+
+SLOT = """
+model = "packed_bed"
+mesh = { type = "line", length = "6 m", diameter = "60 mm", cells = 20 }
+[gas]
+model = "ideal_gas"
+composition = "N2O4:1"
+pressure = "1 bar"
+viscosity = 2e-5
+conductivity = 0.03
+diffusivity = 1e-9
+species.N2O4 = { heat_capacity = 80, enthalpy = "100 kJ/mol" }
+species.NO2 = { heat_capacity = 40, enthalpy = 0 }
+[solids.c]
+diameter = "4 mm"
+density = 1500
+heat_capacity = 900
+conductivity = 1
+[packed_bed]
+porosity = 0.4
+pressure_drop = "none"
+section = { shape = "plane", conductivity_solids = 0.5, rings = 16 }
+[heat]
+[reactions.r]
+equation = "N2O4 -> 2 NO2"
+rate = "k"
+parameters = { k = "0.1 mol/m**3/s" }
+basis = "bed"
+[boundary.left]
+gas.mass_flux = 0.4
+gas.temperature = "400 K"
+[boundary.wall]
+coefficient = 30
+ambient = "400 K"
+"""
+
+
+def test_the_hot_spot_of_a_section_is_not_above_its_axis():
+    """10 kW/m3 over 2 R = 60 mm between walls: T_wall + q R/h + q R^2/(2 k) = 419 K at
+    the axis. The layer beside it has its mean, q (R/16)^2/(6 k) = 0.012 K lower; the
+    gas, which warms by 0.01 K, takes the rest.
+    """
+    qoi = run(loads(SLOT, "slot.toml")).qoi
+    assert qoi["hot_spot_K"] == approx(419.0, abs=0.02)
