@@ -31,7 +31,7 @@ material_temperature = "340 degC"
 material = "alumina"
 diameter = 0.01
 [packed_bed]
-porosity = 0.4
+porosity = 0.5
 [closures]
 nusselt = "gunn"
 [heat]

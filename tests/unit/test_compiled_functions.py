@@ -140,9 +140,9 @@ def test_code_on_disk_is_made_anew_when_a_function_that_it_calls_changes(tmp_pat
 
 
 def test_kernels_of_two_fluids_are_tied_to_each_other():
-    from contbed.two_fluid import compiled, packing
+    from contbed.two_fluid import compiled, solids_pressure
 
     assert (
-        packing.add_compaction_velocity._cache._cache_file._source_stamp[1]
+        solids_pressure.add_compaction_velocity._cache._cache_file._source_stamp[1]
         == compiled.CONTENT
     )

@@ -165,15 +165,9 @@ def face_value(
         arm, way = (left, left - right) if forward else (right, right - left)
         slope += grad[here, k, d] * arm
         along += grad[here, k, d] * way
-    jump, aside = values[there, k] - values[here, k], 0.0
-    if g.skewed:
-        # the middle of the face lies off the line between the centres
-        for d in range(len(g.axes)):
-            aside += grad[here, k, d] * g.skew[f, d]
-    increment = limited_increment(
-        slope - aside, along, jump, half_step[here, k], limited
-    )
-    return float(values[here, k] + (increment + aside))
+    jump = values[there, k] - values[here, k]
+    increment = limited_increment(slope, along, jump, half_step[here, k], limited)
+    return float(values[here, k] + increment)
 
 
 @kernel
