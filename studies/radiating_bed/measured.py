@@ -71,9 +71,8 @@ def p1(T: float, k_solid: float, emissivity: float, eps: float, helium: float) -
     }
     for side, plate in (("left", T + APART / 2), ("right", T - APART / 2)):
         changes |= {
-            f"boundary.{side}.{phase}.fixed": plate for phase in ("fluid", "solid")
-        }
-        changes |= {
+            f"boundary.{side}.gas.fixed_temperature": plate,
+            f"boundary.{side}.solids.particles.fixed_temperature": plate,
             f"boundary.{side}.radiation.temperature": plate,
             f"boundary.{side}.radiation.emissivity": emissivity,
         }

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 import contbed as cb
+from contbed.many.cascade.file import read_cascade
 from contbed.packed_bed.recognition import velocities
 from tests.balances import assert_closed
 
 STUDIES = Path(__file__).parents[2] / "studies"
+CASCADES = sorted(STUDIES.rglob("cascade*.toml"))
 PIVEM = sorted(path.stem for path in (STUDIES / "pivem_2012").glob("*.toml"))
 
 
@@ -123,3 +125,8 @@ def test_sliding_bed_converges(name):
     assert np.all(
         np.log(coarse / fine) / np.log(4) > (3.8 if name == "slip_0.00" else 3.0)
     )
+
+
+@pytest.mark.parametrize("file", CASCADES, ids=lambda file: file.stem)
+def test_cascades_of_studies_name_keys_of_their_scenes(file):
+    assert read_cascade(file).settings.uncertain
