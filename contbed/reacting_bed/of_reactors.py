@@ -86,20 +86,28 @@ def space_velocities(problem: Problem) -> dict[str, float]:
     return found
 
 
-def hot_spot(problem: Problem, *states: tuple[State, Array]) -> dict[str, float]:
+def hot_spot(
+    problem: Problem, inner: tuple[State, Array], ends: tuple[State, Array]
+) -> dict[str, float]:
     """Return the largest temperature of gas and particles, and where it is, among
-    states and their positions along the bed; in a section they are repeated.
+    states inside and at both ends with their positions.
+
+    In a section states inside are repeated, one for each part, and those at the ends
+    are means: they count where they are hotter than all parts inside.
     """
     if not problem.layout.temperatures:
         return {}
     highest = []
-    for state, x in states:
+    for state, x in (inner, ends):
         phases = [own.T_solid for _, own in problem.bed.with_states(state)]
         hotter = np.max([state.T_fluid, *phases], axis=0)
         highest.append(hotter.reshape(-1, len(x)).max(axis=0))
-    places = np.concatenate([x for _, x in states])
-    order = np.argsort(places)
-    where, hottest = peak(places[order], np.concatenate(highest)[order])
+    places = [inner[1], ends[1]]
+    if problem.section is not None and highest[1].max() < highest[0].max():
+        places, highest = places[:1], highest[:1]
+    at = np.concatenate(places)
+    order = np.argsort(at)
+    where, hottest = peak(at[order], np.concatenate(highest)[order])
     return {"hot_spot_K": hottest, "hot_spot_m": where}
 
 

@@ -319,9 +319,7 @@ def _extents(
     if problem.reactions:
         points = inner, problem.line.points.ravel()
         both_ends = state, problem.line.vertices[[0, -1]]
-        # at the ends of a section only means over it are known
-        where = (points, both_ends) if problem.section is None else (points,)
-        result.qoi |= of_reactors.hot_spot(problem, *where)
+        result.qoi |= of_reactors.hot_spot(problem, points, both_ends)
         result.qoi |= of_reactors.space_velocities(problem)
 
 
