@@ -12,7 +12,7 @@ from contbed.arrays import Array, Integers
 from contbed.fem.skfem import System
 from contbed.packed_bed.equations import porous_flow
 
-ALONG = 1e-9  # a velocity counts as along a wall below this sine
+PARALLEL = 1e-9  # a wall counts as parallel to a direction below this sine
 
 
 def inward_normals(system: System, name: str) -> tuple[Integers, Array]:
@@ -56,7 +56,7 @@ def turn_along(
         numbers, normals = numbers[:, shared], normals[:, shared]
         across = np.sum(velocities[numbers] * normals, axis=0)
         speeds = np.linalg.norm(velocities[numbers], axis=0)
-        found = np.abs(across) > ALONG * speeds
+        found = np.abs(across) > PARALLEL * speeds
         velocities[numbers[:, found]] -= (across * normals)[:, found]
         crossed = crossed or bool(found.any())
     return crossed

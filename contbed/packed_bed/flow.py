@@ -15,13 +15,17 @@ from contbed.fem.ad.dual import Components
 from contbed.fem.skfem import System
 from contbed.fem.tensor_error import TensorGrid
 from contbed.mesh.mesh import Mesh
-from contbed.packed_bed.curved_inlet import inward_normals, mean_speed, turn_along
+from contbed.packed_bed.curved_inlet import (
+    PARALLEL,
+    inward_normals,
+    mean_speed,
+    turn_along,
+)
 from contbed.packed_bed.equations import porous_flow
 from contbed.result import Result
 from contbed.solvers.newton import Options, newton
 
 AT_REST = 1.0  # velocity scale [m/s] where nothing moves; any rounds the drag
-PARALLEL = 1e-9  # a wall counts as parallel to a direction below this sine
 
 
 @dataclass(frozen=True)
