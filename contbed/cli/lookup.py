@@ -88,21 +88,13 @@ def schema(kind: KindOrNone = None) -> None:
 def explain(
     context: typer.Context,
     name: Annotated[
-        list[str] | None,
+        list[str],
         Argument(
             metavar="NAME",
             help="nusselt_gunn, closures.nusselt, calcination, materials",
             autocompletion=_names,
         ),
-    ] = None,
-    search: Annotated[
-        str | None,
-        Option(
-            "--search",
-            metavar="WORDS",
-            help="names whose data sheets have all the words",
-        ),
-    ] = None,
+    ],
 ) -> None:
     """Show the data sheet of a name.
 
@@ -111,11 +103,6 @@ def explain(
     from contbed.explain import sheets
     from contbed.scene.names import first_paragraph
 
-    if bool(name) == (search is not None):
-        raise typer.BadParameter("give a NAME or --search WORDS", param_hint="NAME")
-    if not name:
-        print(sheets.search(search or ""))
-        return
     commands = getattr(context.find_root().command, "commands", {})
     about = {key: first_paragraph(command.help) for key, command in commands.items()}
     print(sheets.explain(" ".join(name), about))
@@ -152,11 +139,11 @@ def closures(
 def list_() -> None:
     """List models, closures, materials and tables.
 
-    Closures by kind, tables of each kind of scene, and the studies in this folder.
+    Closures by kind, and tables of each kind of scene.
     """
     from contbed.explain.sheets import listing
 
-    print(listing(Path("studies")))
+    print(listing())
 
 
 COMMANDS: tuple[Callable[..., Any], ...] = (new, explain, closures, list_, schema)

@@ -83,12 +83,6 @@ def plan(scene: d.DevelopedScene) -> DevelopedPlan:
     (built if turbulence else skipped).append(
         ("turbulence of the gas", turbulence or "not named")
     )
-    (built if scene.solver.branches and table.solids_mass_flux else skipped).append(
-        (
-            "other branches",
-            "looked for" if scene.solver.branches else "solver.branches = false",
-        )
-    )
     return DevelopedPlan(scene, coefficients(scene), mesh, tuple(built), tuple(skipped))
 
 

@@ -1,5 +1,5 @@
-"""Run of a fully developed flow: a solution, a mesh with nodes at its kinks, other
-solutions for the same flows.
+"""Run of a fully developed flow: a solution, and a mesh with nodes at its
+kinks.
 """
 
 from __future__ import annotations
@@ -19,16 +19,12 @@ from contbed.developed_flow.problem import (
 from contbed.developed_flow.results import fill
 from contbed.errors import ConvergenceError
 from contbed.result import Result, timed
-from contbed.solvers.branch import Way, trace
-from contbed.solvers.linear import constrain
 
 Array = Any
 # rounds that move a node to where gas and particles have the same velocity
 MAX_ALIGNMENT_ROUNDS = 3
 # distance to such a place over the size of the cells, within which a node stays [-]
 ALIGNMENT_TOLERANCE = 1e-3
-# least relative difference of theta at the centre of two different solutions [-]
-MIN_BRANCH_DIFFERENCE = 1e-4
 # relative difference of theta at the centre within which a solution is the wanted one
 # [-]
 BRANCH_TOLERANCE = 0.1
@@ -38,9 +34,6 @@ FINE_CELLS = 60  # cells from which a search that fails is not repeated on finer
 SHORT_REACH = 0.01
 # factors on a granular temperature from which no solution is found
 GUESSES = (0.01, 0.1, 10.0)
-# on the superficial velocity, both ways, between which other solutions are searched [-]
-VELOCITY_FACTOR = 1.5
-MAX_BRANCH_POINTS = 60  # solutions along the branch in that search
 
 
 @timed("flow")
@@ -67,9 +60,6 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
         where = plan.scene.origin.at(("developed_flow",))
         text = f"{where}: developed_flow: no solution found; {advice(problem)}"
         raise ConvergenceError(text, error.history, error.state) from error
-    if problem.particles and plan.scene.solver.branches:
-        state = _nearest(problem, state, meant, result)
-        problem, state = aligned(problem, state)
     result.plan = problem.plan
     fill(problem, state, result)
     result.solved = problem, state
@@ -79,15 +69,10 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
         and abs(result.qoi["theta_centre"] / meant - 1.0) > BRANCH_TOLERANCE
     ):
         where = plan.scene.origin.at(("developed_flow", "granular_temperature_centre"))
-        more = (
-            ""
-            if plan.scene.solver.branches
-            else "; solver.branches = true looks for others"
-        )
         found = result.qoi["theta_centre"]
         result.warnings.append(
             f"{where}: theta at the centre is {found:.4g} m2/s2, not near "
-            f"{meant:g}{more}"
+            f"{meant:g}; solve with another value"
         )
 
 
@@ -199,82 +184,3 @@ def _crossings(problem: DevelopedProblem, state: Array) -> Array:
     )[order]
     k = np.flatnonzero(slip[:-1] * slip[1:] < 0)
     return r[k] + (r[k + 1] - r[k]) * slip[k] / (slip[k] - slip[k + 1])
-
-
-def _nearest(
-    problem: DevelopedProblem, state: Array, meant: float | None, result: Result
-) -> Array:
-    """Return the solution whose granular temperature at the centre is nearest to
-    `meant`.
-
-    All solutions found are written to branches.csv. Without `meant`, the state at hand
-    is kept.
-    """
-    found = [state, *others(problem, state, result)]
-    found.sort(key=lambda each: _centre(problem, each))
-    result.qoi["solutions_found"] = len(found)
-    columns = {
-        "theta_centre [m2/s2]": [_centre(problem, each) for each in found],
-        "pressure_gradient [Pa/m]": [
-            problem.system.part(each, "gradient")[0] for each in found
-        ],
-    }
-    result.tables["branches"] = {
-        header: np.array(column, dtype=float) for header, column in columns.items()
-    }
-    if meant is None:
-        return state
-    return min(found, key=lambda each: abs(np.log(_centre(problem, each) / meant)))
-
-
-def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Array]:
-    """Return other solutions for the same flows, found by following the branch over
-    the velocity past its folds.
-    """
-    velocity, policy = problem.c.velocity, problem.plan.policy
-
-    def assemble(x: Array, value: float, jacobian: bool) -> tuple[Array, Any]:
-        residual, matrix = problem.with_values(velocity=float(value)).steady(
-            x, jacobian
-        )
-        residual[problem.fixed] = 0.0
-        return residual, constrain(matrix, problem.fixed) if jacobian else None
-
-    found = [state]
-    for stop, back in (
-        (velocity / VELOCITY_FACTOR, velocity * VELOCITY_FACTOR),
-        (velocity * VELOCITY_FACTOR, velocity / VELOCITY_FACTOR),
-    ):
-        branch = trace(
-            assemble,
-            state,
-            Way(velocity, stop, MAX_BRANCH_POINTS, back),
-            policy,
-            weights=problem.weights,
-            size=velocity,
-        )
-        if not branch.complete:
-            end = branch.parameter[-1]
-            result.warnings.append(
-                f"the branch over the velocity is followed to {end:.4g} m/s, not to "
-                f"{stop:.4g}"
-            )
-        values, states, _ = zip(*branch.points(), strict=True)
-        ahead = np.array(values) - velocity
-        for k in np.flatnonzero(ahead[:-1] * ahead[1:] < 0):
-            share = ahead[k] / (ahead[k] - ahead[k + 1])
-            other, _ = problem.solve_from(
-                (1.0 - share) * states[k] + share * states[k + 1]
-            )
-            if all(
-                abs(_centre(problem, other) / _centre(problem, known) - 1.0)
-                > MIN_BRANCH_DIFFERENCE
-                for known in found
-            ):
-                found.append(other)
-    return found[1:]
-
-
-def _centre(problem: DevelopedProblem, state: Array) -> float:
-    """Return the granular temperature at the centre [m2/s2]."""
-    return float(problem.system.part(state, "root")[np.argmin(problem.r)] ** 2)

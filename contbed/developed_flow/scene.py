@@ -165,8 +165,6 @@ class Solver(NewtonSolver):
     """between centre and wall, finer toward the wall"""
     degree: Order = 3
     """polynomial degree of the fields"""
-    branches: Switch = False
-    """follow solutions over the velocity to find others of it"""
     newton_iterations: Whole = Field(60, ge=1, le=1000)
     """most iterations of Newton's method"""
 

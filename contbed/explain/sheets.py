@@ -6,8 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
-from functools import cache
-from pathlib import Path
 
 from contbed import closures, fields
 from contbed.chemistry.power_law import PowerLaw
@@ -22,7 +20,6 @@ from contbed.explain.catalogue import (
     ordered,
     own_laws,
     schemas,
-    tables,
 )
 from contbed.explain.closure_keys import closure_keys
 from contbed.explain.terms import TERMS
@@ -32,17 +29,6 @@ from contbed.scene.library import MATERIALS
 from contbed.scene.library import data_sheet as material_sheet
 from contbed.scene.names import first_paragraph
 from contbed.scene.toml_lines import KeyPath
-
-MAX_FOUND = 20  # entries that a search shows
-
-
-def studies(folder: Path) -> dict[str, list[str]]:
-    """Return the scenes of each study in a folder."""
-    found = {
-        study.name: sorted(scene.name for scene in study.glob("*.toml"))
-        for study in sorted(folder.glob("*/"))
-    }
-    return {name: scenes for name, scenes in found.items() if scenes}
 
 
 def explain(name: str, commands: Mapping[str, str] | None = None) -> str:
@@ -77,82 +63,33 @@ def explain(name: str, commands: Mapping[str, str] | None = None) -> str:
         *(commands or {}),
     ]
     near = get_close_matches(name, dict.fromkeys(names), n=3, cutoff=0.5)
-    hint = (
-        f"nearest: {', '.join(near)}"
-        if near
-        else f"`contbed explain --search {name}` looks into all texts"
-    )
+    hint = f"nearest: {', '.join(near)}" if near else "`contbed list` shows all names"
     raise SceneError(f"nothing is called {name!r}; {hint}")
 
 
-def entries() -> dict[str, str]:
-    """Return the title of everything that `explain` shows, by name."""
-    found = {name: first_paragraph(text) for name, text in models().items()}
-    found |= {name: registry.sheet(name).summary for name in closures.names()}
-    found |= {
-        kind: f"closures: {arguments.RESULTS.get(kind, kind)}" for kind in kinds()
-    }
-    found |= {name: entry.meaning for name, entry in MATERIALS.items()}
-    found |= {name: f"rate laws: {', '.join(table)}" for name, table in laws().items()}
-    found |= {
-        name: f"rate law: {equations[0]}" for name, equations in laws_by_name().items()
-    }
-    found |= {name: entry.meaning for name, entry in arguments.ARGUMENTS.items()}
-    found |= {
-        name: entry.description
-        for name, entry in {**fields.FIELDS, **fields.RESULTS}.items()
-    }
-    found |= {name: text.partition(". ")[0] for name, text in TERMS.items()}
-    for table in tables():
-        for node in at(tuple(table.split("."))):
-            for option in schema.options(node):
-                found.setdefault(table, first_paragraph(option.get("description")))
-                for key, child in option.get("properties", {}).items():
-                    found.setdefault(
-                        f"{table}.{key}", str(child.get("description", ""))
-                    )
-    return found
-
-
-def search(words: str) -> str:
-    """Return the names whose data sheets have the words, the best first, with their
-    titles, as lines.
-    """
-    wanted = [word.lower().removesuffix("s") for word in words.split()]
-    rows = []
-    for name, title in entries().items():
-        texts = (
-            name.lower().replace("_", " ") + " " + name.lower(),
-            title.lower(),
-            _text(name).lower(),
-        )
-        score = [max(w for w, text in zip((9, 4, 1), texts, strict=True) if word in text) for word in wanted
-                 if any(word in text for text in texts)]  # fmt: skip
-        if len(score) == len(wanted) and wanted:
-            rows.append((-sum(score), name, title))
-    lines = [
-        f"{name:40} {title}".rstrip() for _, name, title in sorted(rows)[:MAX_FOUND]
+def entries() -> list[str]:
+    """Return the names of everything that `explain` shows."""
+    return [
+        *models(),
+        *closures.names(),
+        *kinds(),
+        *MATERIALS,
+        *laws(),
+        *laws_by_name(),
+        *arguments.ARGUMENTS,
+        *fields.FIELDS,
+        *fields.RESULTS,
+        *TERMS,
+        *catalogue.keys(),
     ]
-    if not lines:
-        raise SceneError(
-            f"nothing has the words {words!r}; `contbed list` shows all names"
-        )
-    more = len(rows) - len(lines)
-    return "\n".join(
-        [*lines, *([f"and {more} more; more words find fewer"] if more > 0 else [])]
-    )
 
 
-def listing(folder: Path) -> str:
-    """List all names under headings, each on its own line; studies from `folder`."""
+def listing() -> str:
+    """List all names under headings, each on its own line."""
     lines: list[str] = []
     for group in ("models", "closures", "reactions", "materials", "tables"):
         for title, names in catalogue.sections(group).items():
             lines += _section(title, names)
-    lines += _section(
-        "studies",
-        (f"{name:28} {', '.join(scenes)}" for name, scenes in studies(folder).items()),
-    )
     return "\n".join(lines)
 
 
@@ -345,16 +282,6 @@ _SOURCES = (
     _group_sheets,
     _part_sheets,
 )
-_LISTS = (_kind_sheets, _group_sheets, _part_sheets)
-"""Sources of sheets that list other names, whose texts a search leaves to these."""
-
-
-@cache
-def _text(name: str) -> str:
-    """Return the whole text of an entry, for a search."""
-    return "\n".join(
-        sheet for source in _SOURCES if source not in _LISTS for sheet in source(name)
-    )
 
 
 def _nodes(name: str) -> list[tuple[list[str], schema.Node]]:

@@ -67,7 +67,7 @@ from contbed.scene.series_checks import (
     output_times_lie_in_the_run,
     series_are_usable,
 )
-from contbed.scene.tables import Output, Solver
+from contbed.scene.tables import Output
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
 ENTERING = "temperature, or fixed_temperature"
@@ -624,7 +624,7 @@ def particles_that_melt_are_lumped(solids: Mapping[str, s.Solid]) -> Mistakes:
             )
 
 
-def the_balance_can_fail(solver: Solver) -> Mistakes:
+def the_balance_can_fail(solver: s.Solver) -> Mistakes:
     """Look for a tolerance within which every balance closes."""
     if solver.balance_tolerance > LOOSE_BALANCE:
         yield (

@@ -22,7 +22,6 @@ def parts_of_heat(
     medium: Medium,
     schedule: Schedule,
     inside: Inside | None,
-    thick: str,
     fronts: bool,
 ) -> Iterator[tuple[str, str, bool]]:
     """Yield each part, its description, and whether it is built.
@@ -31,7 +30,6 @@ def parts_of_heat(
     ----------
     scene : as it is solved
     inside : how the level of intraparticle conduction was chosen, None without heat
-    thick : why the level of radiation was chosen
     fronts : whether fronts are tracked
     """
     if scene.heat is None:
@@ -60,7 +58,7 @@ def parts_of_heat(
             f"{len(schedule.samples)} series, {parts} parts without jump or kink",
             True,
         )
-    yield (*described_level(scene, thick), scene.radiation is not None)
+    yield (*described_level(scene), scene.radiation is not None)
 
 
 def _why_no_dispersion(closures: s.Closures) -> str:

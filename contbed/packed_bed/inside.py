@@ -27,9 +27,6 @@ from contbed.particle.interior import interior
 from contbed.particle.level import SHAPES, Passage
 from contbed.plan_text import percent
 
-# of what leaves over the span, by which a level may miss where solver.accuracy is
-# absent
-ACCURACY = 5e-3
 # temperatures inside that are tried where inside.points is absent
 POINTS = (2, 3, 4, 6, 8, 12)
 USUAL_POINTS = 3  # where temperatures inside are asked for and their number is not
@@ -215,7 +212,7 @@ def inside_of(
         found += [
             Candidate("interior", points, passage.error(points)) for points in tried
         ]
-    candidates, accuracy = tuple(found), scene.solver.accuracy or ACCURACY
+    candidates, accuracy = tuple(found), scene.solver.accuracy
     named = tuple(each for each in candidates if stated in ("auto", each.level))
     return Inside(passage, cheapest(named, accuracy), candidates, accuracy)
 

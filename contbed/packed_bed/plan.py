@@ -35,10 +35,10 @@ from contbed.packed_bed.inlets import bed_axis, inlet_temperature, velocity_vect
 from contbed.packed_bed.inside import Inside, inside_of, modes, resolved
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.pressure import lifted
-from contbed.packed_bed.radiation import cheapest
 from contbed.packed_bed.recognition import (
     curved_inlet,
     is_plug_flow,
+    reduced,
     roles_in_flow,
     tracks_fronts,
     velocities,
@@ -52,7 +52,6 @@ from contbed.packed_bed.schedule import (
     kinks_passed,
 )
 from contbed.packed_bed.schedule_checks import require_flow, require_plug_flow
-from contbed.packed_bed.sides import lines_of, on_a_line
 from contbed.plan_text import Rows, built_and_skipped, plan_text
 from contbed.scene.mesh import SIDE, MeshAxisymmetric, MeshFile, MeshLine
 from contbed.solvers.cost import advice
@@ -68,7 +67,7 @@ AUTOMATIC_CELLS = {2: 30_000, 3: 4_000}
 @dataclass(frozen=True)
 class Plan:
     """What a run builds: `scene` as written, `solved` the scene after reduction to a
-    line and to a cheaper radiation.
+    line.
 
     `section` is the cross-section [m2] of a reduced bed. Where a `schedule` changes
     values, all this holds at the start.
@@ -284,10 +283,9 @@ class Plan:
 
     def _as_solved(self, frozen: s.Scene) -> s.Scene:
         """Return the scene that is solved for one that is frozen at a time."""
-        frozen = frozen.model_copy(update={"radiation": self.solved.radiation})
         frozen = frozen.with_inside(self.solved.solid.inside)
         frozen = with_vectors(frozen, self.mesh)
-        line = None if self.solved.mesh is self.scene.mesh else on_a_line(frozen)
+        line = None if self.solved.mesh is self.scene.mesh else reduced(frozen)
         return frozen if line is None else line[0]
 
     @property
@@ -302,19 +300,14 @@ class Plan:
         """Return the plan of a scene that has other numbers, with the discretisation of
         this one.
 
-        The nodes of the mesh move with the lengths of the bed; levels of radiation and
-        of intraparticle conduction stay.
+        The nodes of the mesh move with the lengths of the bed; the level of
+        intraparticle conduction stays.
         """
-        kept: dict[str, Any] = {}
         written, schedule = scene, self.schedule
         if scene.time is not None and schedule:
             schedule = Schedule.of(scene.boundary, scene.origin.base)
             scene = schedule.frozen(scene, 0.0)
-        if scene.radiation is not None and self.solved.radiation is not None:
-            kept["radiation"] = scene.radiation.model_copy(
-                update={"level": self.solved.radiation.level}
-            )
-        target = scene.model_copy(update=kept)
+        target = scene
         inside, chosen = scene.solid.inside, self.solved.solid.inside
         if inside is not None and chosen is not None:
             target = target.with_inside(
@@ -323,7 +316,7 @@ class Plan:
         # a mixture takes long to make
         fluid = self.medium.fluid if scene.gas == self.scene.gas else None
         medium = Medium.of(target, fluid)
-        line = None if self.solved.mesh is self.scene.mesh else on_a_line(target)
+        line = None if self.solved.mesh is self.scene.mesh else reduced(target)
         target, section = line or (with_vectors(target, self.mesh), 1.0)
         return replace(
             self,
@@ -391,12 +384,11 @@ def plan(scene: s.Scene) -> Plan:
         scene = schedule.frozen(scene, 0.0)
     fluid = fluid_of(scene.gas, scene.origin)
     require_properties(fluid, scene)
-    scene, thick = cheapest(scene)
     inside = _inside(schedule, scene)
     scene = resolved(scene, inside)
     medium = Medium.of(scene, fluid)
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
-    lines, sides = lines_of(flows, medium, bool(schedule))
+    lines = [reduced(each) if scene.solver.reduce else None for each in flows]
     line = lines[0] if all(lines) else None
     target, section = line or (scene, 1.0)
     grid = target.mesh
@@ -435,9 +427,9 @@ def plan(scene: s.Scene) -> Plan:
     coordinate = ("rz" if mesh.axisymmetric else of_line)[mesh.axis]
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
     dim = mesh.skfem.dim()
-    parts = [("2-D and 3-D mesh", sides, False)] if line is not None else []
-    text = f"{cells}; {sides}" if sides and line is None else cells
-    parts.append((f"mesh, {dim}-D", text, True))
+    text = "plug flow between adiabatic walls varies along the bed only"
+    parts = [("2-D and 3-D mesh", text, False)] if line is not None else []
+    parts.append((f"mesh, {dim}-D", cells, True))
     if automatic and dim > 1 and scene.time is None:
         text = (
             "estimated in each direction; new meshes until solver.tolerance is met, "
@@ -446,7 +438,7 @@ def plan(scene: s.Scene) -> Plan:
         parts.append(("errors", text, True))
     text = _described_plug(scene, medium) if plug else "Taylor-Hood, Newton"
     parts.append(("porous flow", text, not plug))
-    parts += parts_of_heat(scene, medium, schedule, inside, thick, fronts)
+    parts += parts_of_heat(scene, medium, schedule, inside, fronts)
     return Plan(
         written,
         target,

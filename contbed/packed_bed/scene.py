@@ -37,6 +37,7 @@ from contbed.scene.quantities import (
     HeatSource,
     NonNegative,
     Seconds,
+    Switch,
     Table,
     Temperature,
     Whole,
@@ -46,6 +47,7 @@ from contbed.scene.quantities import (
 from contbed.scene.series import TemperatureOrProfile, VelocityOrSeries
 from contbed.scene.tables import (
     ConductivityOrClosure,
+    FieldSolver,
     Named,
     NonNegativeOrClosure,
     NumberOrClosure,
@@ -53,7 +55,6 @@ from contbed.scene.tables import (
     PermeabilityOrClosure,
     RunInTime,
     SceneBase,
-    Solver,
 )
 
 
@@ -312,6 +313,21 @@ class Time(RunInTime):
     """fixed step; error-controlled if absent"""
     tolerance: Fraction = 1e-4
     """local error over the span of temperatures"""
+
+
+class Solver(FieldSolver):
+    """Numerics; the defaults suit nearly all scenes."""
+
+    stabilisation: Switch = True
+    """residual-based SUPG"""
+    accuracy: Fraction = 5e-3
+    """largest predicted error of the level of intraparticle conduction that the plan
+    takes, over the temperature span"""
+    adapt: Annotated[Whole, Field(ge=0, le=10)] | None = None
+    """refinements where the error estimate of a steady run exceeds `tolerance`; absent:
+    automatic"""
+    reduce: Switch = True
+    """solve a plug-flow scene with adiabatic walls in one dimension"""
 
 
 def that_fill_the_bed(solids: Mapping[str, Solid]) -> dict[str, Solid]:

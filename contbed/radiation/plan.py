@@ -30,8 +30,8 @@ ADVICE = (
 
 @dataclass(frozen=True)
 class Plan:
-    """The scene as written (`scene`), the scene at the level that is solved
-    (`solved`), the mesh and the choices.
+    """The scene as written (`scene`), the scene with the ordinates that are
+    solved (`solved`), the mesh and the choices.
     """
 
     scene: RadiationScene
@@ -87,14 +87,10 @@ class Plan:
 
         The nodes move with the lengths of the medium.
         """
-        level = scene.radiation.model_copy(
-            update={"level": self.solved.radiation.level}
-        )
-        solved = scene.model_copy(update={"radiation": level})
         return replace(
             self,
             scene=scene,
-            solved=solved,
+            solved=scene,
             mesh=moved(self.mesh, self.solved.mesh, scene.mesh),
         )
 
@@ -130,11 +126,6 @@ def plan(scene: RadiationScene) -> Plan:
     ------
     SceneError : the mesh cannot be used, or has no boundary of a name in the scene
     """
-    written, thick = scene, ""
-    if scene.radiation.allow_rosseland:
-        from contbed.radiation.rosseland import choose
-
-        scene, thick = choose(scene)
     mesh = mesh_of(scene, nodes(scene))
     require_names(scene.origin, mesh, {"boundary": scene.boundary})
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
@@ -152,9 +143,9 @@ def plan(scene: RadiationScene) -> Plan:
         how += f"; {ADVICE}"
     built = (
         (f"mesh, {mesh.skfem.dim()}-D", cells),
-        ("radiation", f"{how}; {thick}" if thick else how),
+        ("radiation", how),
     )
-    return Plan(written, scene, mesh, built)
+    return Plan(scene, scene, mesh, built)
 
 
 def most(table: Radiation) -> int:

@@ -1,5 +1,4 @@
-"""Radiation in thick beds as heat conduction: when to choose it, and a conducting
-stand-alone medium.
+"""Radiation in thick beds as heat conduction: a conducting stand-alone medium.
 
     -div((k + 16 sigma T^3 D) grad T) = 0,   T = T_w on walls        (all particles have the temperature T)
 
@@ -9,57 +8,17 @@ path.
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from contbed.closures.optics import conductivity
 from contbed.fem import system as make_system
 from contbed.mesh.mesh import Mesh
-from contbed.radiation.checks import walls_without_solid_temperature
 from contbed.radiation.equations import p1 as radiation
 from contbed.radiation.optics import optics
 from contbed.radiation.problem import RadiationProblem, surfaces
 from contbed.radiation.scene import Radiating
-from contbed.radiation.thickness import MOVES, allowed, estimate, solids_move
-from contbed.scene.mesh import MeshFile
-
-Scene = TypeVar("Scene", bound=Any)
-
-
-def choose(scene: Scene) -> tuple[Scene, str]:
-    """Return the scene, with the Rosseland level where it is allowed and accurate
-    enough, and the reason.
-    """
-    table = scene.radiation
-    if (
-        table is None
-        or not table.allow_rosseland
-        or table.level not in ("p1", "two_flux")
-    ):
-        return scene, ""
-    conducts = scene.heat is not None or bool(table.conductivity)
-    if not conducts or walls_without_solid_temperature(scene.heat, scene.boundary):
-        return (
-            scene,
-            "Rosseland needs conduction and the solid at the temperature of its walls",
-        )
-    if any(item.temperature is not None for item in scene.solids.values()):
-        return scene, "Rosseland has no solids of given temperature"
-    if isinstance(scene.mesh, MeshFile):
-        return scene, "Rosseland is not estimated on a mesh from a file"
-    if scene.heat is not None and solids_move(scene.boundary):
-        return scene, f"Rosseland {MOVES}"
-    thick = scene.model_copy(
-        update={"radiation": table.model_copy(update={"level": "rosseland"})}
-    )
-    error = estimate(thick, scene.mesh)
-    most = allowed(scene.solver)
-    text = (
-        f"predicted error of Rosseland {100.0 * error:.2g} %, allowed "
-        f"{100.0 * most:g} %"
-    )
-    return (thick if error <= most else scene), text
 
 
 class RosselandProblem(RadiationProblem):

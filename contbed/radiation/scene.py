@@ -20,13 +20,12 @@ from contbed.scene.quantities import (
     NonNegative,
     Number,
     Positive,
-    Switch,
     Table,
     Temperature,
     Whole,
 )
 from contbed.scene.solids import SolidPhase
-from contbed.scene.tables import Output, SceneBase, Solver
+from contbed.scene.tables import FieldSolver, Output, SceneBase
 
 FEWEST, MOST = 4, 64  # ordinates in a hemisphere that are tried where none are given
 # in a medium that conducts, where each point answers to all others and the cost grows
@@ -87,9 +86,6 @@ class Radiation(Table):
     level: Literal["p1", "two_flux", "rosseland", "ordinates"] = "p1"
     """rosseland: thick beds, as a conductivity; ordinates: one dimension, nearly exact
     """
-    allow_rosseland: Switch = False
-    """with conduction: rosseland instead of p1 or two_flux where its error is estimated
-    below 1 %"""
     absorption: Extinction | None = None
     """given directly instead of by solids.NAME.emissivity"""
     scattering: Extinction | None = None
@@ -207,5 +203,5 @@ class RadiationScene(SceneBase):
     """needed where the optics follow from particles"""
     boundary: dict[str, RadiatingBoundary] = Field(default_factory=dict)
     """radiative conditions by name of the boundary"""
-    solver: Solver = Solver()
+    solver: FieldSolver = FieldSolver()
     output: Output = Output()

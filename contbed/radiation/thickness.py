@@ -14,11 +14,8 @@ from contbed.closures.optics import error_rosseland
 from contbed.radiation.scene import Radiating, RadiatingSolid, Radiation
 from contbed.scene.checking import Mistakes
 from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile, MeshLine, MeshRectangle
-from contbed.scene.tables import Solver
 
-# estimated error up to which plan may choose the Rosseland conductivity, without
-# solver.accuracy
-TOLERANCE = 0.01
+TOLERANCE = 0.01  # estimated error from which a bed is too thin for Rosseland
 HOPF = 1.4209  # twice the constant of Hopf: slips of temperature at black plates
 THICK = 3.0  # optical depth from which the two-flux method is compared with exact heat
 MOVES = (
@@ -62,13 +59,6 @@ def estimate(scene: Radiating, mesh: Any) -> float:
     )
 
 
-def allowed(solver: Solver) -> float:
-    """Return the relative error up to which the Rosseland conductivity may stand for
-    radiation [-].
-    """
-    return solver.accuracy or TOLERANCE
-
-
 def solids_move(boundary: Mapping[str, Any]) -> bool:
     """Return whether a boundary gives the solids a velocity."""
     conditions = [
@@ -86,7 +76,6 @@ def rosseland_is_thick(
     packed_bed: Any | None,
     boundary: Mapping[str, Any],
     mesh: Mesh,
-    solver: Solver,
 ) -> Mistakes:
     """Look for beds that are too thin for the Rosseland conductivity that the scene
     asks for.
@@ -101,7 +90,7 @@ def rosseland_is_thick(
         radiation=radiation, solids=solids, packed_bed=packed_bed, boundary=boundary
     )
     error = estimate(scene, mesh)
-    if error > allowed(solver):
+    if error > TOLERANCE:
         yield (
             ("radiation", "level"),
             f"heat between walls is too large by about {100.0 * error:.4g} %: the bed "

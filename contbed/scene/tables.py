@@ -124,24 +124,13 @@ class NewtonSolver(BalancedRun):
     """most iterations of Newton's method"""
 
 
-class Solver(NewtonSolver):
+class FieldSolver(NewtonSolver):
     """Numerics; the defaults suit nearly all scenes."""
 
     degree: Order = 2
     """polynomial degree of the temperatures"""
-    stabilisation: Switch = True
-    """residual-based SUPG"""
     tolerance: Fraction = 1e-5
     """target error of theta for automatic meshes"""
-    accuracy: Fraction | None = None
-    """the plan accepts a cheaper sub-model if its predicted error, relative to the
-    temperature span, is below this; absent: 0.005 for intraparticle conduction, 0.01
-    for Rosseland, and sides of a bed that exchange heat are resolved"""
-    adapt: Annotated[Whole, Field(ge=0, le=10)] | None = None
-    """refinements where the error estimate of a steady run exceeds `tolerance`; absent:
-    automatic"""
-    reduce: Switch = True
-    """solve a plug-flow scene with adiabatic walls in one dimension"""
     memory_GB: Positive | None = None
     """refuse a factorisation predicted above this; 60 % of the free memory if absent"""
 

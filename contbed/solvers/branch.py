@@ -186,15 +186,13 @@ class _Continuation:
 class Way:
     """How far a branch is followed by its parameter.
 
-    It begins at `start` and ends where the parameter passes `stop` or, on the other
-    side, `back`, or where `points` are found; with `first_fold` at the first fold as
-    well.
+    It begins at `start` and ends where the parameter passes `stop` or returns to
+    `start`, or where `points` are found; with `first_fold` at the first fold as well.
     """
 
     start: float
     stop: float
     points: int
-    back: float | None = None
     first_fold: bool = False
 
 
@@ -223,8 +221,7 @@ def trace(
     out = Branch([start], [x])
     toward = (np.zeros_like(x), float(np.sign(stop - start)))
     point, s = _Point(x, start, continuation.tangent(x, start, toward)), FIRST_STEP
-    back = start if way.back is None else way.back
-    low, high = min(back, stop), max(back, stop)
+    low, high = min(start, stop), max(start, stop)
     while len(out.parameter) < points and s > MIN_STEP:
         try:
             found, iterations = continuation.step(point, s)

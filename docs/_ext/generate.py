@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from pathlib import Path
 
+from jobs import JOBS
 from markdown_text import (
     code,
     literal,
@@ -37,7 +38,6 @@ from contbed.closures import arguments, registry
 from contbed.explain import editor
 from contbed.explain.catalogue import laws_by_name, models
 from contbed.explain.closure_keys import closure_keys
-from contbed.explain.jobs import JOBS
 from contbed.explain.terms import TERMS
 from contbed.models import MODELS, kind_of
 from contbed.scene import schema

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import contbed as cb
-from contbed.radiation.rosseland import estimate
+from contbed.radiation.thickness import estimate
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
@@ -33,12 +33,12 @@ def heat(length: float, level: str) -> tuple[float, cb.Scene]:
 
 
 def reference(scene: cb.Scene) -> float:
-    """Error of Rosseland that `contbed plan` states [1]."""
+    """Error of Rosseland that `contbed check` warns of [1]."""
     return float(estimate(scene, scene.mesh))
 
 
 def compute() -> Tables:
-    """Heat by every level, and what the plan chooses."""
+    """Heat by every level."""
     rows = []
     for length in LENGTHS:
         found = {level: heat(length, level) for level in LEVELS}
@@ -50,12 +50,8 @@ def compute() -> Tables:
             * length
             / scene.diameter
         )
-        built = dict(
-            cb.plan(cb.load(HERE / "bed_cheapest.toml", {"mesh.length": length})).built
-        )["radiation"]
-        chosen = "Rosseland" if built.startswith("Rosseland") else "P1"
         ratios = (found[level][0] / q for level in ("two_flux", "rosseland"))
-        rows.append((length, tau, q, *ratios, reference(scene), chosen))
+        rows.append((length, tau, q, *ratios, reference(scene)))
     columns = {
         "length [m]": "g",
         "tau [1]": ".1f",
@@ -65,7 +61,6 @@ def compute() -> Tables:
     columns |= {
         "Rosseland over P1": ".4f",
         "stated error of Rosseland": ".4f",
-        "chosen by plan": "",
     }
     profiles, x = [], THIN * (1 - np.cos(np.linspace(0, np.pi, 61))) / 2
     for level in LEVELS:

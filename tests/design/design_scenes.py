@@ -178,5 +178,5 @@ def random_scene(seed):
         solid["heat_capacity"] = [700.0, 0.3]
     if random.random() < 0.25:
         solid["emissivity"] = 0.8
-        set_keys(values, 'radiation = { level = "p1", allow_rosseland = false }')
+        set_keys(values, 'radiation = { level = "p1" }')
     return from_dict(values)

@@ -1,4 +1,4 @@
-"""Closures for a place at given conditions, and the search in all data sheets."""
+"""Closures for a place at given conditions."""
 
 import subprocess
 import sys
@@ -15,7 +15,7 @@ from contbed.explain.rank_closures import (
     kind_for,
     ranked,
 )
-from contbed.explain.sheets import entries, explain, search
+from contbed.explain.sheets import entries, explain
 from contbed.reacting_bed.closures import places_of
 from tests.cases import each_case
 from tests.command_line import command
@@ -118,15 +118,7 @@ def test_the_command(capsys):
     )
 
 
-def test_search_finds_all_words(capsys):
-    assert command("explain --search 'fluidized beds nusselt'") == 0
-    assert "nusselt_gunn" in capsys.readouterr().out
-    assert search("Geldart").splitlines()[0].startswith("Geldart")
-    refused("nothing has the words", search, "frobnicate")
-    assert cli.main(["explain"]) == 2 and command("explain heat --search heat") == 2
-
-
-def test_every_entry_of_the_search_explains_itself():
+def test_every_name_explains_itself():
     for name in entries():
         assert explain(name)
 

@@ -9,7 +9,6 @@ import pytest
 from contbed import cli, closures, fields
 from contbed.explain import catalogue, editor
 from contbed.explain.closure_keys import closure_keys
-from contbed.explain.jobs import JOBS
 from contbed.explain.sheets import explain
 from contbed.models import MODELS
 from contbed.scene import schema
@@ -76,12 +75,6 @@ def test_every_closure_kind_place_law_and_material_is_explained():
         *fields.RESULTS,
     }:
         assert explain(name), name
-
-
-def test_results_of_each_kind_of_job_are_named_results():
-    named = [name for job in JOBS for name in job.results]
-    assert len(named) == len(set(named))
-    assert set(named) <= set(fields.RESULTS)
 
 
 def test_every_key_is_found_by_its_last_part():
