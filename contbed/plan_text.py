@@ -52,17 +52,6 @@ def _reason_for_the_model(scene: Any) -> str:
     return "derived from the tables" if scene.model is None else "as the scene says"
 
 
-def duration(seconds: float) -> str:
-    """Return a duration in two digits: "40 s", "12 min", "3.5 h".
-
-    >>> duration(5400.0)
-    '1.5 h'
-    """
-    if seconds >= 3600.0:
-        return f"{seconds / 3600.0:.2g} h"
-    return f"{seconds / 60.0:.2g} min" if seconds >= 99.5 else f"{seconds:.2g} s"
-
-
 def percent(share: float) -> str:
     """Return a share in percent, in two digits.
 

@@ -371,9 +371,6 @@ def validate(
         Argument(metavar="NAME...", help="measured beds; all short ones if absent"),
     ] = None,
     out: OutFolder = None,
-    as_json: Annotated[
-        bool, Option("--json", help="print summary.json instead of the table")
-    ] = False,
     long: Annotated[
         bool, Option("--long", help="those that take more than a minute as well")
     ] = False,
@@ -382,8 +379,6 @@ def validate(
 
     Gives deviation, uncertainty and verdict of each bed, a table and a picture.
     """
-    import json
-
     from contbed.many.validate import case, report, score
     from contbed.output.folder import prepare_study
 
@@ -393,7 +388,7 @@ def validate(
     chosen = [one for one in cases if names or long or not one.settings.long]
     done = [score.validate(one, folder / one.name) for one in chosen]
     report.write(done, folder)
-    print(json.dumps(report.summary(done), indent=1) if as_json else report.table(done))
+    print(report.table(done))
     for one in done:
         for text in one.result.warnings:
             complain(f"{one.case.name}: warning: {text}")
@@ -403,8 +398,7 @@ def validate(
             f"left out, as they take more than a minute: {', '.join(left)}; --long "
             "runs them"
         )
-    if not as_json:
-        print(f"results are in {folder}")
+    print(f"results are in {folder}")
 
 
 for _command in (*studies.COMMANDS, *lookup.COMMANDS):

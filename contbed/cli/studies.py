@@ -46,7 +46,6 @@ def sweep(
     ],
     jobs: Jobs = -1,
     out: OutFolder = None,
-    scheduler: Annotated[str | None, Option("--scheduler", hidden=True)] = None,
     retry_failed: RetryFailed = False,
     quiet: NoProgress = False,
     trust: Trust = False,
@@ -57,11 +56,6 @@ def sweep(
     Runs that a former call finished are not repeated. Writes a table and plots.
     """
     _require_jobs(jobs)
-    if scheduler is not None:
-        raise typer.BadParameter(
-            "give this command on each machine, with one --out that all of them see",
-            param_hint="--scheduler",
-        )
     _one_thread_a_process()
     from contbed.many.sweep.sweep import sweep as run_all
 

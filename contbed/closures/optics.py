@@ -21,7 +21,6 @@ from typing import Any
 import numpy as np
 
 from contbed.closures.registry import Value, closure
-from contbed.closures.sizes import SizeDistribution
 from contbed.errors import SceneError
 
 SIGMA = 5.670374419e-8  # Stefan-Boltzmann constant [W/m2/K4], CODATA 2018
@@ -37,13 +36,13 @@ _SCHUSTER = "Schuster 1905, Astrophys. J. 21, 1-22, doi:10.1086/141186"
 
 @dataclass(frozen=True)
 class Species:
-    """One kind of particle: `volume_fraction` of the emulsion, one diameter [m] or a
-    distribution, emissivity.
+    """One kind of particle: `volume_fraction` of the emulsion, Sauter mean
+    diameter [m], emissivity.
     """
 
     name: str
     volume_fraction: float
-    size: float | SizeDistribution
+    d_32: float
     emissivity: float
 
     def __post_init__(self) -> None:
@@ -53,9 +52,9 @@ class Species:
                 f"{self.name}: volume_fraction = {self.volume_fraction} must be within "
                 "0 and 1, 1 excluded"
             )
-        if not isinstance(self.size, SizeDistribution) and not 0 < self.size < np.inf:
+        if not 0 < self.d_32 < np.inf:
             problems.append(
-                f"{self.name}: size = {self.size} must be above 0 and finite [m]"
+                f"{self.name}: d_32 = {self.d_32} must be above 0 and finite [m]"
             )
         if not 0 < self.emissivity <= 1:
             problems.append(
@@ -64,11 +63,6 @@ class Species:
             )
         if problems:
             raise SceneError(problems)
-
-    @property
-    def d_32(self) -> float:
-        """Sauter mean diameter [m]."""
-        return self.size.d_32 if isinstance(self.size, SizeDistribution) else self.size
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,12 @@ import numpy as np
 
 from contbed.arrays import Array
 from contbed.dem.particle_files import read_particles
-from contbed.dem.particles import Material, Particles
+from contbed.dem.particles import Material
 from contbed.dem.scene import Lattice, Layers, Packing, ParticleScene
 from contbed.dem.sizes import random_radii
-from contbed.dem.softness import GRAVITY
 from contbed.errors import EngineError, SceneError
 from contbed.models import Plan
-from contbed.plan_text import duration, plan_text
+from contbed.plan_text import plan_text
 from contbed.solvers.memory import MemoryPerUnknown
 
 PACKING = ("particles", "packing")  # key of the table
@@ -28,8 +27,6 @@ BOTTOM, TOP = 1.0, 2.0
 # bytes for each temperature, with the paths of its particle: 2000 by contacts, 3700
 # through a fluid
 MEMORY = MemoryPerUnknown(4e3)
-# s of processor for each temperature of a network with a fluid, of 1e3 to 1e6 spheres
-NETWORK = 22e-6
 
 # centres in the unit cell, and the edge of the cell over the radius of spheres that
 # touch
@@ -69,18 +66,6 @@ class ParticlePlan:
             "heat": len(self.x) if packing is None else packing.number(self.scene.solid)
         }
 
-    def seconds(self) -> float | None:
-        """Predict the processor time of settling and of the networks [s]; None where
-        LAMMPS or a GPU settles.
-
-        It is a cost per particle and step times the steps; within a factor of 2.
-        """
-        if self.engine != "contbed":
-            return None
-        closure = self.scene.particles.closure
-        networks = 1 if closure is None else 1 + len(closure.ratios)
-        return _settling(self.scene) + NETWORK * self.unknowns()["heat"] * networks
-
     def on_gpu(self) -> ParticlePlan:
         """Return the plan of a packing that settles on a GPU.
 
@@ -97,10 +82,7 @@ class ParticlePlan:
         return replace(self, engine="cuda", built=particles_by(self.built, "on a GPU"))
 
     def __str__(self) -> str:
-        seconds = self.seconds()
-        if self.scene.particles.packing is None or seconds is None:
-            return plan_text(self)
-        return plan_text(self, f"time: about {duration(seconds)} of processor")
+        return plan_text(self)
 
 
 def particles_by(
@@ -224,23 +206,6 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
     return replace(
         plan, x=x, radius=radius, box=(low, high), porosity=porosity, layers=layers
     )
-
-
-def _settling(scene: ParticleScene) -> float:
-    """Predict the processor time in which the packing of a scene settles [s]; 0
-    without one.
-    """
-    from contbed.dem.packing import AT_REST, loose_height
-    from contbed.dem.settling import settling_time, stages_of
-
-    table = scene.particles.packing
-    if table is None:
-        return 0.0
-    radii = np.array(_radii(scene, table))
-    stages = stages_of(
-        Particles(np.zeros((len(radii), 3)), radii), _material(scene), AT_REST, GRAVITY
-    )
-    return settling_time(stages, len(radii), loose_height(radii, table.area), GRAVITY)
 
 
 def _radii(scene: ParticleScene, table: Packing) -> Array:

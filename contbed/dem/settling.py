@@ -18,13 +18,6 @@ CALM = 1e-4  # kinetic energy over N m g d before the last part
 LONGEST = 4.0  # s of motion in one part
 IMPACT = 0.3  # m/s, speed of impacts that the time step is made for
 CHECK_EVERY = 500  # steps between looks at the kinetic energy
-# s of processor to settle a particle, by the steps in which it would fall from the
-# height of the loose bed: in the first stage, and in later, stiffer ones; within 0.6 to
-# 1.7 of what 200 to 175,800 spheres with friction took
-SETTLING = 0.6e-6, 0.13e-6
-# times as long without friction, which damps what restitution leaves: of 1000 and 3000
-# spheres
-FRICTIONLESS = 2.9
 
 
 class Stage(NamedTuple):
@@ -63,31 +56,6 @@ def stages_of(
         if last:
             return stages
         modulus = min(STIFFER * modulus, material.youngs_modulus)
-
-
-def settling_time(
-    stages: list[Stage], number: int, height: float, gravity: float
-) -> float:
-    """Predict how long a bed takes to settle [s of processor].
-
-    Parameters
-    ----------
-    stages : of settling, see `stages_of`
-    number : of spheres
-    height : of the loose bed [m]
-    gravity : [m/s2]
-    """
-    fall = float(np.sqrt(2.0 * height / gravity))
-    first, *later = stages
-    steps = SETTLING[0] / first.time_step + sum(
-        SETTLING[1] / stage.time_step for stage in later
-    )
-    return (
-        number
-        * fall
-        * steps
-        * (FRICTIONLESS if first.material.sliding_friction == 0.0 else 1.0)
-    )
 
 
 def not_at_rest(stage: Stage, unrest: float) -> str:

@@ -38,8 +38,8 @@ from contbed.packed_bed.velocity_checks import (
 )
 from contbed.radiation.checks import (
     optics_attenuate,
-    particles_have_a_size_and_fit_together,
     radiation_is_complete,
+    solids_fit_together,
     solids_sum_to_one,
     tubes_see_radiation,
     two_flux_scatters_evenly,
@@ -119,11 +119,6 @@ def one_solid_fills_the_bed(
         )
         return
     name, solid = next(iter(filling.items()))
-    if solid.diameter is None:
-        yield (
-            ("solids", name, "diameter"),
-            "missing; exchange and resistance to flow need it",
-        )
     if solid.temperature is not None and radiation is None:
         yield (
             ("solids", name, "temperature"),
@@ -242,7 +237,7 @@ def the_packing_fits_the_bed(
     if isinstance(mesh, MeshFile):
         return
     for name, solid in s.that_fill_the_bed(solids).items():
-        if solid.diameter is not None and solid.diameter > mesh.length:
+        if solid.diameter > mesh.length:
             yield (
                 ("solids", name, "diameter"),
                 f"{solid.diameter:g} m is more than the length of the bed, "
@@ -565,7 +560,7 @@ CHECKS: tuple[Check, ...] = (
     one_solid_fills_the_bed,
     radiation_is_complete,
     tubes_see_radiation,
-    particles_have_a_size_and_fit_together,
+    solids_fit_together,
     optics_attenuate,
     heat_has_its_properties,
     a_run_in_time_has_a_start,

@@ -378,7 +378,6 @@ class Scene(SceneBase):
     @property
     def diameter(self) -> float:
         """Diameter of the particles that fill the bed [m]."""
-        assert self.solid.diameter is not None  # `checks` sees to it
         return self.solid.diameter
 
     def with_inside(self, inside: Inside | None) -> Scene:

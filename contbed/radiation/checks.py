@@ -7,8 +7,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from contbed.closures.sizes import SizeDistribution
-from contbed.errors import SceneError
 from contbed.radiation.scene import RadiatingSolid, Radiation, Voidage
 from contbed.radiation.thickness import rosseland_is_thick, two_flux_is_low
 from contbed.scene.checking import Check, Mistakes, See
@@ -162,21 +160,10 @@ def radiation_is_complete(
         )
 
 
-def particles_have_a_size_and_fit_together(
+def solids_fit_together(
     solids: Mapping[str, RadiatingSolid],
 ) -> Mistakes:
-    """Check sieve analyses, and that the shares of the solids do not exceed the
-    whole.
-    """
-    for name, solid in solids.items():
-        if solid.sieves is None:
-            continue
-        try:
-            SizeDistribution.from_sieves(
-                solid.sieves.apertures, solid.sieves.mass_fractions
-            )
-        except SceneError as error:
-            yield ("solids", name, "sieves"), str(error)
+    """Check that the shares of the solids do not exceed the whole."""
     filled = sum(solid.volume_share for solid in solids.values())
     if filled > 1.0 + 1e-9:
         yield (
@@ -263,7 +250,7 @@ def a_medium_radiates(
 
 CHECKS: tuple[Check, ...] = (
     a_medium_radiates,
-    particles_have_a_size_and_fit_together,
+    solids_fit_together,
     optics_attenuate,
     boundaries_exist,
     mesh_file_exists,

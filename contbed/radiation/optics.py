@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contbed.closures import optics as closures
-from contbed.closures.sizes import SizeDistribution
 from contbed.radiation.equations.p1 import emitted
-from contbed.radiation.scene import Radiating, RadiatingSolid
+from contbed.radiation.scene import Radiating
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ def optics(scene: Radiating) -> Optics:
         ]
         particles = [
             closures.Species(
-                name, item.volume_share * solids, _size(item), item.emissivity
+                name, item.volume_share * solids, item.diameter, item.emissivity
             )
             for name, item in scene.solids.items()
         ]
@@ -71,13 +70,4 @@ def optics(scene: Radiating) -> Optics:
         diffusion=float(
             found.diffusion("two_flux" if table.level == "two_flux" else "p1")
         ),
-    )
-
-
-def _size(item: RadiatingSolid) -> float | SizeDistribution:
-    if item.diameter is not None:
-        return item.diameter
-    assert item.sieves is not None
-    return SizeDistribution.from_sieves(
-        item.sieves.apertures, item.sieves.mass_fractions
     )

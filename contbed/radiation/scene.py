@@ -5,7 +5,7 @@ medium that merely radiates.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, Protocol, Self
+from typing import Annotated, Any, ClassVar, Literal, Protocol
 
 from pydantic import Field, model_validator
 
@@ -17,7 +17,6 @@ from contbed.scene.quantities import (
     Fraction,
     Irradiance,
     Length,
-    NonNegative,
     Number,
     Positive,
     Table,
@@ -33,38 +32,19 @@ FEWEST, MOST = 4, 64  # ordinates in a hemisphere that are tried where none are 
 MOST_CONDUCTING = 16
 
 
-class Sieves(Table):
-    """A sieve analysis: apertures from fine to coarse and the mass between
-    neighbours.
-    """
-
-    apertures: Annotated[tuple[Length, ...], Field(min_length=2)]
-    """apertures of the sieves, ascending"""
-    mass_fractions: Annotated[tuple[NonNegative, ...], Field(min_length=1)]
-    """mass fractions between neighbouring sieves"""
-
-
 class RadiatingSolid(SolidPhase):
     """Particles of one kind and their share in the optics of the bed."""
 
     varies: ClassVar[frozenset[str]] = frozenset({"heat_capacity", "conductivity"})
 
-    diameter: Length | None = None
-    """Sauter mean, or of equal spheres"""
-    sieves: Sieves | None = None
-    """instead of `diameter`, of particles that only radiate"""
+    diameter: Length
+    """of equal spheres, or the Sauter mean 1/sum(x/d) of mass fractions x"""
     volume_share: Annotated[Positive, Field(le=1)] = 1.0
     """of the volume of all particles; those of all kinds sum to 1"""
     emissivity: Emissivity | None = None
     """needed with [radiation] unless absorption is given"""
     temperature: Temperature | None = None
     """prescribed; absent: that of the medium, given or solved for"""
-
-    @model_validator(mode="after")
-    def _one_size(self) -> Self:
-        if (self.diameter is None) == (self.sieves is None):
-            raise ValueError("give one of diameter, sieves")
-        return self
 
 
 class Voidage(Table):

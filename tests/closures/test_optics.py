@@ -17,7 +17,6 @@ from pytest import approx
 from contbed.closures import optics
 from contbed.closures import radiation_emissivity_half_space as emissivity_half_space
 from contbed.closures.optics import Species, optical_coefficients
-from contbed.closures.sizes import SizeDistribution
 from contbed.fem.ad.dual import Dual
 from tests.cases import each_case
 from tests.refusals import problems_of, refused
@@ -33,19 +32,7 @@ def bed(packing="independent", anisotropy=0.0):
     return optical_coefficients(FRACTIONS, DIAMETERS, EMISSIVITIES, packing, anisotropy)
 
 
-# --- sizes ---
-
-
-def test_sauter_mean_of_a_sieve_analysis_by_hand():
-    # Middles 0.3, 0.6 and 1.2 mm: 0.25 / 0.3 + 0.5 / 0.6 + 0.25 / 1.2 = 1.875 per mm.
-    sizes = SizeDistribution.from_sieves(
-        [0.2e-3, 0.4e-3, 0.8e-3, 1.6e-3], [0.25, 0.5, 0.25]
-    )
-    assert sizes.d_32 == approx(1e-3 / 1.875, rel=ROUND_OFF)
-
-
-def test_sauter_mean_of_one_size_is_that_size():
-    assert SizeDistribution((2e-3,), (1.0,)).d_32 == approx(2e-3, rel=ROUND_OFF)
+# --- coefficients ---
 
 
 @given(
@@ -56,20 +43,12 @@ def test_sauter_mean_of_one_size_is_that_size():
 def test_extinction_of_classes_is_that_of_their_sauter_mean(classes):
     diameters, weights = np.array(classes).T
     fractions = weights / weights.sum()
-    sizes = SizeDistribution(tuple(diameters), tuple(fractions))
     apart = optical_coefficients(
         0.3 * fractions, diameters, np.full(len(fractions), 0.7)
     )
-    together = optics.optics([Species("all", 0.3, sizes, 0.7)])
+    sauter = 1.0 / (fractions / diameters).sum()
+    together = optics.optics([Species("all", 0.3, sauter, 0.7)])
     assert together.extinction == approx(apart.extinction, rel=1e-13)
-    assert (
-        diameters.min() * (1 - ROUND_OFF)
-        <= sizes.d_32
-        <= diameters.max() * (1 + ROUND_OFF)
-    )
-
-
-# --- coefficients ---
 
 
 def test_coefficients_by_hand():
@@ -253,8 +232,6 @@ def test_dual_numbers_give_the_slope_to_a_volume_fraction():
 def test_bad_input_is_named(make, arguments, message):
     makers = {
         "Species": Species,
-        "SizeDistribution": SizeDistribution,
-        "from_sieves": SizeDistribution.from_sieves,
         "optics": lambda species: optics.optics([Species(*each) for each in species]),
         "bed": bed,
         "diffusion": lambda level: bed().diffusion(level),

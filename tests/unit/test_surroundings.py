@@ -14,7 +14,6 @@ from small_scenes import STEADY
 
 import contbed
 from contbed.errors import SceneError, interrupt_in
-from tests.command_line import command
 
 HOME = str(Path(contbed.__file__).parents[1])
 
@@ -74,12 +73,6 @@ def test_errors_that_come_from_an_interrupt():
     except SceneError as error:
         assert interrupt_in(error) is not None
     assert interrupt_in(ValueError()) is None
-
-
-def test_a_scheduler_of_former_versions_names_what_to_do(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert command("sweep study.toml --scheduler tcp://host:8786") == 2
-    assert "this command on each machine" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("backend", ["bogus", "agg"])
