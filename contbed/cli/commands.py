@@ -35,6 +35,14 @@ from contbed.cli.terminal import (
 )
 from contbed.errors import ContbedError, ConvergenceError, SceneError, interrupt_in
 
+# former commands and options, and what to do instead
+FORMER = {
+    "'animate'": "for a film open fields.pvd in ParaView: File > Save Animation",
+    "--json": "summary.json in the folder of the results has the numbers",
+    "--scheduler": "give the same command on each machine, with one --out for all",
+    "--search": "contbed list shows all names",
+}
+
 app = typer.Typer(
     name="contbed",
     help="Finite-element continuum models for packed, moving and fluidized beds.",
@@ -87,8 +95,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # themselves.
         if not hasattr(error, "format_message"):
             raise
-        complain(f"contbed: {error.format_message()}")
-        complain("contbed --help shows the commands")
+        text = error.format_message()
+        complain(f"contbed: {text}")
+        gone = [remedy for name, remedy in FORMER.items() if name in text]
+        complain(gone[0] if gone else "contbed --help shows the commands")
         return 2
 
 
@@ -334,34 +344,6 @@ def report(
     server.
     """
     print(f"the report is {_write_report(folders, out)}")
-
-
-@app.command()
-def animate(
-    folder: Annotated[Path, Argument(metavar="DIR", help="folder of a transient run")],
-    out: Annotated[
-        Path | None,
-        Option(
-            "--out",
-            metavar="FILE",
-            help="a .gif or .mp4; animation.gif in DIR if absent",
-        ),
-    ] = None,
-    field: Annotated[
-        str | None,
-        Option("--field", metavar="NAME", help="which field, such as T_solid"),
-    ] = None,
-    rate: Annotated[
-        int, Option("--rate", metavar="N", min=1, max=60, help="frames per second")
-    ] = 10,
-) -> None:
-    """Write a film of a transient run.
-
-    It shows one field: a plane, a cut through a box, or particles from the side.
-    """
-    from contbed.report.animate import animate as film
-
-    print(f"the film is {film(folder, out, field, rate)}")
 
 
 @app.command()

@@ -67,8 +67,8 @@ class Cloud:
         return across, along
 
 
-def pictures(run: Run, most: int = MAX_FRAMES) -> list[Pictures | Cloud]:
-    """Return the pictures of all fields of a run at `most` times at most; none without
+def pictures(run: Run) -> list[Pictures | Cloud]:
+    """Return the pictures of all fields of a run at `MAX_FRAMES` times at most; none without
     fields or on a line.
 
     Raises
@@ -77,7 +77,7 @@ def pictures(run: Run, most: int = MAX_FRAMES) -> list[Pictures | Cloud]:
     """
     if not run.snapshots:
         return []
-    chosen = [run.snapshots[k] for k in evenly(len(run.snapshots), most)]
+    chosen = [run.snapshots[k] for k in evenly(len(run.snapshots), MAX_FRAMES)]
     meshes = [read_fields(snapshot.file) for snapshot in chosen]
     _require_alike(meshes, chosen)
     times = tuple(snapshot.time for snapshot in chosen if snapshot.time is not None)

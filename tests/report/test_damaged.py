@@ -25,7 +25,6 @@ from result_folders import (
 from contbed import load, run
 from contbed.errors import ContbedError
 from contbed.report import page
-from contbed.report.animate import animate
 from contbed.report.write import write
 
 BAD = (None, [], {}, "text", 3.5, True, [1], "3.5", {"a": 1}, ...)
@@ -212,8 +211,6 @@ def test_fields_of_another_run_are_told(plane, tmp_path, what):
     shutil.copytree(plane, folder)
     make(meshio.read(folder / LAST)).write(folder / LAST)
     assert part in told(folder)
-    with pytest.raises(ContbedError, match=part):
-        animate(folder)
 
 
 def test_particles_need_their_radius(plane, tmp_path):

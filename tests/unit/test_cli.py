@@ -239,3 +239,17 @@ def test_a_value_with_a_line_break_is_refused(tmp_path, capsys):
     """What follows the break would be other keys."""
     assert cli.main(["check", "scene.toml", "--set", "title=a\nb"]) == 2
     assert "has a line break" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("animate results", "ParaView"),
+        ("validate --json", "summary.json"),
+        ("sweep study.toml --scheduler tcp://host:8786", "on each machine"),
+        ("explain --search heat", "contbed list"),
+    ],
+)
+def test_what_is_gone_names_what_to_do_instead(capsys, line, told):
+    assert command(line) == 2
+    assert told in capsys.readouterr().err
