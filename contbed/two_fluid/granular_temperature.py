@@ -5,7 +5,9 @@
 F [m/s] is the volume flux of the solids that the step moves, P [W/m3] the shear
 production without that of friction, which does not agitate particles. Convection is
 explicit and limited, the rest implicit but for the heat of compression and of shear,
-which binds the step: near packing that of compression makes sound up to six times as
+which binds the step. Dissipation and drag alone cool the particles as their closed form
+says, in any step (Haff 1983, J. Fluid Mech. 134, 401-430); the heat binds the step
+because near packing that of compression makes sound up to six times as
 stiff as at constant theta, and few particles, whose viscosity does not vanish with
 their fraction, are heated much by shear. "algebraic" balances production and
 dissipation, and neither moves nor conducts (Syamlal, Rogers and O'Brien 1993, MFIX
@@ -23,7 +25,7 @@ from contbed.compiled.threads import parallel
 from contbed.two_fluid import boundary
 from contbed.two_fluid.boundary import WALL, Edge, Particles, speed_through
 from contbed.two_fluid.cell_velocities import FaceVelocities
-from contbed.two_fluid.compiled import SMALLEST, UNDERFLOW, Array, Flags, kernel
+from contbed.two_fluid.compiled import SMALLEST, UNDERFLOW, Array, Flags, inner, kernel
 from contbed.two_fluid.continuity import Moved
 from contbed.two_fluid.fv.gradient import MIN_BINDING_FRACTION, NO_PARTICLES
 from contbed.two_fluid.fv.grid import Geometry
@@ -36,6 +38,8 @@ from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.state import Counters, Properties, State
 from contbed.two_fluid.timing import timed
 
+# drag of a step below which (1 - exp(-drag/2))/drag is 1/2 to rounding [-]
+SMALLEST_DRAG = 1e-15
 SMALLEST_ROOT = 1e-150  # [m/s] whose square is not subnormal
 
 
@@ -55,14 +59,30 @@ class Granular(NamedTuple):
 class GranularTerms(NamedTuple):
     """Terms of granular energy (nc,).
 
-    (dissipation + 3 beta theta)/theta [W s2/m5], p_solid/theta [kg/m3], divergence of
-    the solids [1/s] and source [W/m3].
+    dissipation/theta and 3 beta [W s2/m5], p_solid/theta [kg/m3], divergence of the
+    solids [1/s] and source [W/m3].
     """
 
-    sink: Array
+    dissipation: Array
+    drag: Array
     pressure: Array
     divergence: Array
     source: Array
+
+
+@inner
+def closed_cooling(collisions: float, drag: float) -> float:
+    """Factor of theta - theta_old with which one step of theta' = -a theta^1.5 - b theta
+    is exact: factor (theta - theta_old) = -(collisions + drag) theta_old.
+
+    collisions = a sqrt(theta_old) dt and drag = b dt [-]. sqrt(theta) obeys an equation
+    of Bernoulli: sqrt(theta/theta_old) = (1 - m drag)/(1 + m collisions) with m =
+    (1 - exp(-drag/2))/drag. The factor is 1 + 3/4 collisions + 1/2 drag for short
+    steps, collisions + drag for long ones.
+    """
+    m = 0.5 if drag < SMALLEST_DRAG else -np.expm1(-0.5 * drag) / drag
+    slowed = 1.0 + m * collisions
+    return slowed**2 / (m * (1.0 + slowed - m * drag))
 
 
 @kernel
@@ -77,22 +97,19 @@ def assemble_theta(
     system: System,
 ) -> None:
     """Complete the system for the change of theta, whose right-hand side holds what is
-    convected and conducted [W].
+    convected [W].
 
-    Sinks are implicit, sources explicit (Patankar 1980, Numerical Heat Transfer and
-    Fluid Flow). Walls produce and dissipate by Johnson and Jackson (1987, J. Fluid
-    Mech. 176, 67-93) with `slip` (nb,) and the velocity u (nc, dim).
+    Sinks are exact by themselves, sources explicit (Patankar 1980, Numerical Heat
+    Transfer and Fluid Flow). The share of theta that leaves a cell by convection is no
+    longer there to dissipate: with it sinks become linear, so that theta stays
+    positive. Walls produce and dissipate by Johnson and Jackson (1987,
+    J. Fluid Mech. 176, 67-93) with `slip` (nb,) and the velocity u (nc, dim).
     """
     content, rhs, solid = system.content, system.rhs, edge.solid
-    s, old, source, sink = particles.eps_s, particles.theta, terms.source, terms.sink
+    s, old, source = particles.eps_s, particles.theta, terms.source
     ni = len(g.right)
     for c in range(len(s)):
-        compress = terms.pressure[c] * terms.divergence[c]
-        rhs[c, 0] += g.volume[c] * (source[c] - (sink[c] + compress) * old[c])
-        mass = 1.5 * particles.rho * (s[c] + NO_PARTICLES) / dt
-        content[c, 0] = g.volume[c] * (mass + sink[c] + max(0.0, compress))
-        if source[c] < 0.0:
-            content[c, 0] -= g.volume[c] * source[c] / (old[c] + SMALLEST)
+        content[c, 0] = g.volume[c] * terms.dissipation[c]
     for b in range(len(slip)):
         if solid.slip[b] >= 0.0 or solid.kind[b] != WALL:
             continue
@@ -112,8 +129,19 @@ def assemble_theta(
         for k in range(len(g.axes)):
             slide += (slip[b] * (u[c, k] - solid.u[b, k] - away * g.normal[f, k])) ** 2
         loss = common * (1.0 - edge.restitution[b] ** 2) / 4.0
-        rhs[c, 0] += common * edge.specularity[b] * slide / 6.0 - loss * old[c]
+        rhs[c, 0] += common * edge.specularity[b] * slide / 6.0
         content[c, 0] += loss
+    for c in range(len(s)):
+        collisions, drag = content[c, 0], g.volume[c] * terms.drag[c]
+        compress = g.volume[c] * terms.pressure[c] * terms.divergence[c]
+        mass = 1.5 * particles.rho * (s[c] + NO_PARTICLES) * g.volume[c] / dt
+        leaving = min(1.0, max(0.0, -rhs[c, 0] / (mass * old[c] + SMALLEST)))
+        factor = closed_cooling(collisions / mass, drag / mass)
+        factor += leaving * (1.0 + (collisions + drag) / mass - factor)
+        rhs[c, 0] += g.volume[c] * source[c] - (collisions + drag + compress) * old[c]
+        content[c, 0] = mass * factor + max(0.0, compress)
+        if source[c] < 0.0:
+            content[c, 0] -= g.volume[c] * source[c] / (old[c] + SMALLEST)
 
 
 @kernel
@@ -153,7 +181,8 @@ def max_heating_rate(
             both = (
                 4.0 / 3.0 * terms.pressure[c] * stress / (rho_s * s[c]) ** 2 * links[c]
             )
-            d, b = terms.sink[c] / (1.5 * rho_s * s[c]), drag[c] / rho_s
+            sink = terms.dissipation[c] + terms.drag[c]
+            d, b = sink / (1.5 * rho_s * s[c]), drag[c] / rho_s
             fastest = max(fastest, 0.25 * (np.sqrt((d - b) ** 2 + 4.0 * both) - d - b))
     return fastest
 
@@ -213,8 +242,9 @@ def advance(
         model.grid.halo.exchange(theta)
         return Granular(theta, memory.rate_theta, memory.heating_rate, moved.counters)
     rho_s = model.materials.rho_solid
-    sink = r.dissipation * np.sqrt(state.theta) + 3.0 * properties.drag * moved.eps_s
-    terms = GranularTerms(sink, rho_s * r.pressure, divergence, production)
+    dissipation = r.dissipation * np.sqrt(state.theta)
+    drag = 3.0 * properties.drag * moved.eps_s
+    terms = GranularTerms(dissipation, drag, rho_s * r.pressure, divergence, production)
     return _transport(state, moved, terms, solid.slip, u_solid, properties, dt, model)
 
 
@@ -255,9 +285,9 @@ def _transport(
     convected = rhs / ((s + NO_PARTICLES) * g.volume)[:, None]
     rhs *= 1.5 * rho_s
     outside = np.where(entering, edge.theta, np.nan)
-    model.kernels.conduct(r.conductivity, old, outside, grad, rhs, system.coef)
     particles = Particles(rho_s, model.materials.eps_max, s, old, r.g0)
     assemble_theta(g, edge, dt, particles, terms, slip, u_solid, system)
+    model.kernels.conduct(r.conductivity, old, outside, grad, rhs, system.coef)
     theta = old + solve_system(state, "theta", system, model)[:, 0]
     clipped = 0
     if (low := theta < UNDERFLOW).any():

@@ -167,7 +167,7 @@ def test_heat_of_shear_binds_the_step():
     particles = Particles(rho_s, 0.63, np.full(nc, 0.3), np.ones(nc), np.ones(nc))
     nothing = np.zeros(nc)
     terms = GranularTerms(
-        nothing, np.full(nc, rho_s * 0.3), nothing, np.full(nc, mu * G**2)
+        nothing, nothing, np.full(nc, rho_s * 0.3), nothing, np.full(nc, mu * G**2)
     )
     rate = max_heating_rate(
         0, nc, links, particles, np.ones(nc), terms, nothing, np.full(nc, mu)
