@@ -99,8 +99,11 @@ def real_fluid(
     p = checked_positive(pressure, f"{name}: pressure", "Pa")
     CoolProp, state = _state(name)
     pure = not _is_incompressible(name) and "&" not in name
-    boiling = None if _is_incompressible(name) else _boiling(CoolProp, state, p)
-    limits, phase = _one_phase(name, p, T_range, (state.Tmin(), state.Tmax()), boiling)
+    if _is_incompressible(name):
+        limits, phase = _liquid(CoolProp, state, name, p, T_range), ""
+    else:
+        fluid, boiling = (state.Tmin(), state.Tmax()), _boiling(CoolProp, state, p)
+        limits, phase = _one_phase(name, p, T_range, fluid, boiling)
     if pure and limits[0] < (melting := _melting(CoolProp, state, p)):
         raise SceneError(
             f"{name}: {limits[0]:g} K is below Tmelt = {melting:g} K at {p:g} Pa; "
@@ -147,8 +150,8 @@ def real_fluid(
 
 
 def _is_incompressible(name: str) -> bool:
-    """Return whether a name is one of CoolProp's oils, salts and brines, which do not
-    boil in its data.
+    """Return whether a name is one of CoolProp's oils, salts and brines, which are
+    liquid in its data.
     """
     return name.upper().startswith(INCOMPRESSIBLE)
 
@@ -250,6 +253,38 @@ def _boiling(CoolProp: Any, state: Any, p: float) -> Range | None:
     return ends[0], ends[1]
 
 
+def _liquid(
+    CoolProp: Any, state: Any, name: str, p: float, T_range: Sequence[float] | None
+) -> Range:
+    """Return the range of an incompressible fluid, which ends where it boils.
+
+    Raises
+    ------
+    SceneError : no range, or one that is not all liquid
+    """
+    from scipy.optimize import bisect
+
+    def excess(T: float) -> float:
+        """Vapour pressure less p [Pa]; CoolProp has none at the lowest temperatures."""
+        try:
+            state.update(CoolProp.QT_INPUTS, 0.0, T)
+        except ValueError:
+            return -p
+        return float(state.p()) - p
+
+    lowest, highest = state.Tmin(), state.Tmax()
+    above = excess(highest)
+    if above > 0.0:
+        # a little below, where CoolProp has properties
+        highest = bisect(excess, lowest, highest, xtol=0.1 * ROUNDING) - ROUNDING
+        advice = f"{name} boils at {highest:.2f} K at {p:g} Pa; stay below it"
+    elif above > -p:
+        advice = f"{name} does not boil at {p:g} Pa"
+    else:
+        advice = f"CoolProp does not know where {name} boils"
+    return _range(name, T_range, (lowest, highest), advice)
+
+
 def _one_phase(
     name: str,
     p: float,
@@ -270,6 +305,26 @@ def _one_phase(
         advice = f"{name} does not boil at {p:g} Pa"
     if T_range is None and steam and boiling:
         T_range = (boiling[1], fluid[1])
+    lo, hi = _range(name, T_range, fluid, advice)
+    if boiling is None:
+        return (lo, hi), ""
+    if lo >= boiling[1] - ROUNDING:
+        return (lo, hi), "gas"
+    if hi <= boiling[0] + ROUNDING and not steam:
+        return (lo, hi), "liquid"
+    raise SceneError(
+        f"{name}: T_range ({lo:g}, {hi:g}) K "
+        f"{'is not all steam' if steam else 'crosses the phase change'}; {advice}; "
+        "evaporation is not modelled"
+    )
+
+
+def _range(
+    name: str, T_range: Sequence[float] | None, fluid: Range, advice: str
+) -> Range:
+    """Return the range; SceneError with an advice if it is missing or leaves that of
+    the fluid.
+    """
     if T_range is None:
         raise SceneError(
             f"{name}: T_range is missing; give it within ({fluid[0]:g}, {fluid[1]:g}) "
@@ -282,17 +337,7 @@ def _one_phase(
             f"({fluid[0]:g}, {fluid[1]:g}) K; narrow it; "
             f"{advice}"
         )
-    if boiling is None:
-        return (lo, hi), ""
-    if lo >= boiling[1] - ROUNDING:
-        return (lo, hi), "gas"
-    if hi <= boiling[0] + ROUNDING and not steam:
-        return (lo, hi), "liquid"
-    raise SceneError(
-        f"{name}: T_range ({lo:g}, {hi:g}) K "
-        f"{'is not all steam' if steam else 'crosses the phase change'}; {advice}; "
-        "evaporation is not modelled"
-    )
+    return lo, hi
 
 
 def _refined(sample: Any, limits: Range) -> tuple[np.ndarray, np.ndarray, float, float]:
