@@ -140,10 +140,16 @@ class Run:
             arrays |= self.averages.whole().arrays()
         if self.bubbles is not None:
             arrays["bubbles"] = np.array(self.bubbles.found)
-        return arrays, {"state": json.dumps(plain), "files": json.dumps(self.files)}
+        meta = {
+            "state": json.dumps(plain),
+            "files": json.dumps(self.files),
+            "interval": self.interval,
+        }
+        return arrays, meta
 
     def resume(self, arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
-        """Resume from a checkpoint, bit for bit.
+        """Resume from a checkpoint, bit for bit, with its interval of rows, which the
+        steps meet, unless the scene gives one.
 
         Raises
         ------
@@ -154,6 +160,7 @@ class Run:
         require_form(arrays, self.arrays()[0], ("rows",))
         self.bed.restore({**arrays, **json.loads(meta["state"])})
         self.rows = np.asarray(arrays["rows"]).tolist()
+        self.interval = self.scene.time.sample or meta["interval"]
         for count, saved in zip(self.compiled.counts, arrays["counts"], strict=True):
             count[0] = saved
         self.contents_at_start = dict(

@@ -226,7 +226,8 @@ class Time(Table):
     average_from: Instant | None = None
     """absent: no averages"""
     sample: Seconds | None = None
-    """interval of rows in profiles.csv; absent: 1/200 of the run"""
+    """interval of rows in profiles.csv; absent: 1/200 of the run, or that of the run
+    which a restart continues"""
     fields: Seconds | None = None
     """interval of fields; absent: the end only"""
     checkpoint_every: Seconds = 10.0

@@ -162,6 +162,25 @@ def test_restart_is_bit_for_bit(tmp_path):
     same_run(cb.run(scene, tmp_path, restart=tmp_path), cb.run(scene))
 
 
+def test_a_later_end_keeps_the_rows(tmp_path):
+    """A run that stops at 10 ms has rows every 0.05 ms; resumed twice, to 12 and 14 ms,
+    it is the run to 14 ms with these rows, to the last bit.
+    """
+    first = {"mesh.cells": [4, 20], "time.end": 0.01}
+    later = {**first, "time.end": 0.014}
+    cb.run(cb.load(STUDY / "closed_box_jj.toml", first), tmp_path)
+    cb.run(
+        cb.load(STUDY / "closed_box_jj.toml", {**first, "time.end": 0.012}),
+        tmp_path,
+        restart=tmp_path,
+    )
+    found = cb.run(
+        cb.load(STUDY / "closed_box_jj.toml", later), tmp_path, restart=tmp_path
+    )
+    whole = cb.load(STUDY / "closed_box_jj.toml", {**later, "time.sample": 5e-5})
+    same_run(found, cb.run(whole))
+
+
 def test_a_bed_at_rest_stays_in_a_closed_box():
     """Gas of the empty cell above and particles of the full one below meet on the faces
     between, 1.6 in all.
