@@ -5,7 +5,7 @@ the start, where steps end.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed.arrays import Array
+from contbed.chemistry.kinetics import Reaction
 from contbed.chemistry.local import Smoothing
 from contbed.chemistry.thermo import R_GAS
 from contbed.course.history import SAME, output_times
@@ -28,6 +29,7 @@ from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import kinks_passed
 from contbed.reacting_bed.stages import GAMMA
 from contbed.reacting_bed.storage import Storage
+from contbed.scene.series import OF_A_TRACE
 from contbed.scene.toml_lines import KeyPath
 
 if TYPE_CHECKING:
@@ -52,13 +54,15 @@ class Course:
     time; `problem` is at the start.
 
     `temperatures` are the lowest and highest of the scene: of what enters, of the wall
-    and of the start [K]; `initial` is the state of a file at the start.
+    and of the start [K]; `fractions` the largest mole fractions of each gas that enters,
+    fills the bed or is made of these; `initial` is the state of a file at the start.
     """
 
     scene: s.ReactingScene
     problem: Problem
     schedule: Schedule
     temperatures: tuple[float, float]
+    fractions: Mapping[str, float]
     initial: Profile | None = None
 
     @classmethod
@@ -83,7 +87,12 @@ class Course:
             Smoothing(SMOOTH, SMOOTH * _scarcest(problem, peaks))
         ).with_peaks(peaks)
         course = cls(
-            scene, problem, schedule, _temperatures(scene, moments, initial), initial
+            scene,
+            problem,
+            schedule,
+            _temperatures(scene, moments, initial),
+            _with_products(peaks, problem.reactions),
+            initial,
         )
         if not stores_gas:
             return course
@@ -203,9 +212,13 @@ class Course:
 
     def sizes(self, u: Array) -> Array:
         """Return what errors of the unknowns refer to (m,): temperatures to the
-        range of the scene and of a state.
+        range of the scene and of a state, those of a trace to its own largest flux.
         """
         out = self.problem.sizes.copy()
+        for k in self.problem.rows(Role.GAS):
+            known = self.fractions.get(str(self.problem.unknowns[k].species), 1.0)
+            largest = max(known * self.problem.moles, np.abs(u[k]).max())
+            out[k] = min(out[k], OF_A_TRACE * largest)
         rows = [
             k
             for k, name in enumerate(self.problem.names)
@@ -267,6 +280,24 @@ def _peaks(
         for part in parts
         for name in part
     }
+
+
+def _with_products(
+    peaks: Mapping[str, float], reactions: Iterable[Reaction]
+) -> dict[str, float]:
+    """Return mole fractions with those of gases that neither enter nor fill the bed: of
+    the scarcest gas that a reaction makes them of, the largest of all reactions.
+    """
+    found = {name: x for name, x in peaks.items() if x > TRACE}
+    entering = set(found)
+    for _ in peaks:
+        for reaction in reactions:
+            sides = reaction.stoichiometry.items()
+            known = [found[name] for name, nu in sides if nu < 0.0 and name in found]
+            for name, nu in sides:
+                if known and nu > 0.0 and name in peaks and name not in entering:
+                    found[name] = max(found.get(name, 0.0), min(known))
+    return found
 
 
 def _scarcest(problem: Problem, peaks: Mapping[str, float]) -> float:

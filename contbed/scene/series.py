@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 TINY = 1e-12  # of the time, below which two times are the same
 SAME = 1e-9  # of the time, below which two jumps are one
+# times the largest mole fraction of a trace, what errors of it refer to
+OF_A_TRACE = 10.0
 
 
 class Series(Table):
@@ -175,9 +177,11 @@ class Samples:
     species: tuple[str, ...] = ()
 
     @property
-    def size(self) -> float:
-        """Largest value; 1 for mole fractions."""
-        return 1.0 if self.species else float(np.abs(self.values).max())
+    def size(self) -> Any:
+        """Largest value; of each mole fraction what its errors refer to."""
+        if not self.species:
+            return float(np.abs(self.values).max())
+        return np.minimum(OF_A_TRACE * self.values.max(axis=0), 1.0)
 
     def plain(self, value: Any) -> Any:
         """Return one value as a scene writes it: a number, a vector or a composition."""
