@@ -319,9 +319,19 @@ class HeatProblem:
 
     def initial(self) -> Any:
         """Return the state at the start of a transient, or a guess for the steady
-        solution.
+        solution, with prescribed values in place.
+        """
+        state = self.unprescribed()
+        state[self.fixed] = self.fixed_values
+        if self.radiation is not None:
+            self.system.part(state, "G")[:] = self.radiation.emitted(
+                self.system.part(state, "T_solid")
+            )
+        return state
 
-        Prescribed values are in place.
+    def unprescribed(self) -> Any:
+        """Return the temperatures at the start, or a guess, without values that
+        boundaries prescribe; all other unknowns are 0.
         """
         time, state = self.scene.time, np.zeros(self.system.size)
         low, high = self.T_span
@@ -331,11 +341,6 @@ class HeatProblem:
                 x = self.system.fields[name][0].points[self.mesh.axis]
                 T = initial_values(self.scene, phase, x)
             self.system.part(state, name)[:] = T
-        state[self.fixed] = self.fixed_values
-        if self.radiation is not None:
-            self.system.part(state, "G")[:] = self.radiation.emitted(
-                self.system.part(state, "T_solid")
-            )
         return state
 
     def begin(self, policy: Policy) -> Any:

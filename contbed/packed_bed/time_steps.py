@@ -115,12 +115,18 @@ class HeatSteps(DirkSteps[HeatHistory]):
         self.span = high - low if high > low else ONE_KELVIN
 
     def begin(self) -> HeatHistory:
-        """Return the history at the start of the run."""
-        state = self.problem.begin(self.plan.policy)
+        """Return the history at the start of the run: prescribed temperatures have
+        taken or given the heat between the state without them and that with them.
+        """
+        problem = self.problem
+        state = problem.begin(self.plan.policy)
         line = isinstance(self.plan.solved.mesh, MeshLine)
         vertices = self.plan.line_vertices if line else None
         first = self.control.first
-        history = HeatHistory(state=state, size=first, vertices=vertices)
+        history = HeatHistory(
+            state=problem.unprescribed(), size=first, vertices=vertices
+        )
+        history = _prescribed(problem, history, state)
         return history.keeping(0.0) if self.outputs[0] == 0.0 else history
 
     def scale(self, after: HeatHistory) -> Any:
@@ -222,19 +228,9 @@ class HeatSteps(DirkSteps[HeatHistory]):
         state = np.array(history.state)
         state[problem.fixed] = problem.fixed_values
         state = problem.consistent(state, self.plan.policy)
-        before = problem.content(history.state, False)[0]
-        given = problem.content(state, False)[0] - before
-        gain = float(np.sum(given[problem.heats]))
-        parts = np.abs(_by_boundary(problem, given[problem.fixed]))
-        whole = max(float(parts.sum()), np.finfo(float).tiny)
-        return replace(
-            history,
-            state=state,
-            size=self.control.first if interval.jumps else history.size,
-            gain=history.gain + gain,
-            reaction=history.reaction + gain * parts / whole,
-            conducted=history.conducted + abs(gain),
-        )
+        if interval.jumps:
+            history = replace(history, size=self.control.first)
+        return _prescribed(problem, history, state)
 
     def take(
         self, history: HeatHistory, end: float, size: float, repeated: bool = False
@@ -297,6 +293,27 @@ class HeatSteps(DirkSteps[HeatHistory]):
                     sums[key] = sums.get(key, 0.0) + weight * value
                     both_ways += weight * abs(value)
         return sums, both_ways
+
+
+def _prescribed(problem: HeatProblem, history: HeatHistory, state: Any) -> HeatHistory:
+    """Return the history with a state in which prescribed temperatures have their
+    values, which give the heat that it takes.
+    """
+    between, reaction = np.array(history.state), np.zeros(len(problem.boundaries))
+    before = problem.content(between, False)[0][problem.heats]
+    for owner in np.unique(problem.fixed_owner):
+        nodes = problem.fixed[problem.fixed_owner == owner]
+        between[nodes] = state[nodes]
+        after = problem.content(between, False)[0][problem.heats]
+        reaction[owner] = float(np.sum(after - before))
+        before = after
+    return replace(
+        history,
+        state=state,
+        gain=history.gain + float(reaction.sum()),
+        reaction=history.reaction + reaction,
+        conducted=history.conducted + float(np.abs(reaction).sum()),
+    )
 
 
 def _weighted(weights: list[float], values: tuple[Any, ...]) -> Any:

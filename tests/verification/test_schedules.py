@@ -320,6 +320,28 @@ def test_jump_of_a_prescribed_wall_is_in_the_balance():
     assert balance["stored"] > 0.0
 
 
+@pytest.mark.parametrize("cells", [2, 6])
+def test_walls_that_differ_from_the_start_give_the_heat_of_the_first_cells(cells):
+    scene = copy.deepcopy(SLAB)
+    set_keys(scene, f"mesh.cells = {cells}\nclosures.conductivity_solids = 1.2")
+    length, rise, capacity, conductivity = 0.1, 20.0, 0.6 * 2000.0 * 900.0, 1.2
+    scene["boundary"] = {
+        "left": {"solids": {"particles": {"fixed_temperature": 300.0 + rise}}},
+        "right": {"solids": {"particles": {"fixed_temperature": 300.0 - rise}}},
+    }
+    half = 0.5 * length
+    end = 2.0 * capacity * half**2 / conductivity
+    scene["time"] = {"end": end}
+    result = cb.run(from_dict(scene))
+    # a half with its middle at 300 K, when its profile is straight: what passes and a
+    # third of what its own rise would store
+    heat = rise * half * (conductivity * end / half**2 + capacity / 3.0)
+    energy = result.balances["energy"]
+    assert energy["in"] == approx(heat, rel=1e-4)
+    assert energy["out"] == approx(heat, rel=1e-4)
+    assert_closed(result, 1e-11)
+
+
 def test_cycles_repeat():
     """A period of the series is cut at the same places in each turn, and values jump
     where the next turn begins.
