@@ -1,12 +1,15 @@
 """Sizes of the particles of a bed by feed, drain and carry-over, and height of the bed,
 which follow from its state.
 
-    F x_f,i = F_d x_i + A w K_i x_i,   sum_i x_i = 1          mass of size i of one solid phase
+    F x_f,i = F_d x_i + A w k_i x_i,   sum_i x_i = 1          mass of size i of one solid phase
+    k_i = K_i + s (E - K_i),   s = (C - C_inf)/(E - C_inf)    what the end of the freeboard passes
     int (1 - delta) dz = H_mf,  or  H = H_mf R                height by its bubbles, or by a closure's mean ratio R
 
 F, F_d   feed and drain [kg/s]            x_f,i, x_i   share of size i in the feed and in the bed
 A        section [m2]                     w            share of the phase in the mass of the bed
 K_i      elutriation rate constant at the end of the freeboard [kg/m2/s]
+E        particles that bubbles throw up [kg/m2/s]           s      share of them that has not fallen back
+C        particles that leave the freeboard [kg/m2/s]        C_inf  those of a freeboard without end, sum w x_i K_i
 
 The drain keeps the inventory, whose share `volume_share` the scene gives; particles
 neither shrink nor break. Both follow from the state and change its coefficients: bed
@@ -116,8 +119,14 @@ def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, 
         key: problem.system.part(state, key)[:1]
         for key in ("T_freeboard", *problem.c.scalars)
     }
-    there = above.state(SimpleNamespace(**end))[0]
+    unknowns = SimpleNamespace(**end)
+    there = above.state(unknowns)[0]
     rates = np.array([float(np.squeeze(rate)) for rate in above.rates(there, name)])
+    thrown = problem.at(lambda u, o: u.flow_up, problem.top, state)
+    endless = float(np.squeeze(above.local_coefficients(unknowns, None).carried))
+    if thrown != endless:
+        share = (float(unknowns.carryover[0]) - endless) / (thrown - endless)
+        rates = rates + share * (thrown - rates)
     carried = above.computed.section * above.shares[name] * rates
     feed, given = item.feed.mass_flow, np.array(item.sizes.feed)
 
@@ -127,9 +136,10 @@ def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, 
     least = 1e-12 * feed
     if excess(least) < 0:
         raise ConvergenceError(
-            f"solids {name}: gas carries away {feed:.3g} kg/s and more at the given "
-            "inventory; feed more or coarser "
-            "particles",
+            f"solids {name}: {feed:.3g} kg/s are fed, and the gas carries away more at "
+            f"the given inventory ({carried @ given:.3g} kg/s of the sizes of the "
+            "feed); feed more or coarser particles, or raise "
+            "bubbling_bed.freeboard.height",
             [],
             state,
         )

@@ -8,6 +8,7 @@ from computed_scenes import HOT, hot, tables
 from pytest import approx
 
 import contbed as cb
+from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.errors import ConvergenceError
 from contbed.loading import from_dict
 from tests.balances import assert_closed
@@ -19,7 +20,7 @@ SAND = {"diameters": [1e-4, 2e-4, 5e-4, 1e-3], "feed": [0.1, 0.2, 0.4, 0.3]}
 
 def sized(**changes):
     """The hot bed with sand of four sizes, fed and drained, below a freeboard."""
-    found = tables(**{"freeboard": {"height": 3.0, "elutriation": "geldart"}} | changes)
+    found = tables(**{"freeboard": {"height": 6.0, "elutriation": "geldart"}} | changes)
     sand = found["solids"]["inert"]
     sand.pop("diameter")
     sand["sizes"] = dict(SAND)
@@ -50,17 +51,34 @@ def test_mass_of_every_size_is_balanced():
     assert result.plan.scene.solids["inert"].diameter == approx(diameter, rel=1e-8)
 
 
-def test_nothing_carried_away_leaves_the_feed():
-    scene = from_dict(sized(freeboard={"height": 3.0, "elutriation": 0.0}))
+def test_particles_thrown_over_the_end_of_a_freeboard_take_all_sizes_alike():
+    """Without elutriation the bed keeps the sizes of the feed, and what leaves is the
+    share of the phase in what the gas carries away.
+    """
+    scene = from_dict(sized(freeboard={"height": 6.0, "elutriation": 0.0}))
     result = cb.run(scene)
     assert result.plan.scene.solids["inert"].sizes.bed == approx(
         SAND["feed"], rel=1e-10
     )
-    assert result.qoi["inert_drain_kg_s"] == approx(0.2, rel=1e-10)
+    share = BubblingProblem(result.plan).above.shares["inert"]
+    carried = share * result.qoi["carryover_kg_s"]
+    assert carried > 1e-6
+    assert result.qoi["inert_carryover_kg_s"] == approx(carried, rel=1e-8)
+    assert result.qoi["inert_drain_kg_s"] == approx(0.2 - carried, rel=1e-10)
+
+
+@pytest.mark.parametrize("height", [6.0, 9.0])
+def test_the_gas_carries_away_what_feed_and_drain_leave_of_the_only_solid(height):
+    scene = sized(freeboard={"height": height, "elutriation": "geldart"})
+    sand = scene["solids"].pop("inert")
+    scene["solids"] = {"inert": sand | {"volume_share": 1.0}}
+    found = cb.run(from_dict(scene)).qoi
+    # sizes have settled to 1e-9 of their diameter
+    assert found["inert_carryover_kg_s"] == approx(found["carryover_kg_s"], rel=1e-7)
 
 
 def test_a_feed_too_small_for_what_is_carried_away_is_told():
-    scene = sized(freeboard={"height": 3.0, "elutriation": 5.0})
+    scene = sized(freeboard={"height": 6.0, "elutriation": 5.0})
     set_keys(scene, "solids.inert.feed.mass_flow = 1e-3")
     with pytest.raises(ConvergenceError, match="feed more or coarser"):
         cb.run(from_dict(scene))
