@@ -32,6 +32,14 @@ GIVES: Mapping[str, tuple[str, ...]] = {
 }
 
 
+def comoving_velocity(velocity_solid: Any, porosity: float) -> Any:
+    """Return the superficial velocity of a gas that moves with the particles [m/s].
+
+    `velocity_solid` is theirs, superficial too: u/eps = velocity_solid/(1 - eps).
+    """
+    return porosity * velocity_solid / (1.0 - porosity)
+
+
 def surface_diameter(diameter: float, shape: str) -> float:
     """Return six volumes of a particle over its surface [m]."""
     return diameter * (6.0 / SURFACE[shape])

@@ -31,7 +31,6 @@ from contbed.packed_bed.schedule_checks import (
     initial_profiles_reach_both_ends,
 )
 from contbed.packed_bed.velocity_checks import (
-    particles_move_slowly,
     velocities_are_given_once,
     velocities_fit_the_mesh,
     velocities_of_files_are_steps,
@@ -652,7 +651,6 @@ WARNINGS: tuple[Check, ...] = (
     the_balance_can_fail,
     particles_that_melt_are_lumped,
     velocities_of_files_are_steps,
-    particles_move_slowly,
     prescribed_temperatures_agree_in_corners,
 )
 

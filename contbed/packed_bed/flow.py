@@ -224,7 +224,7 @@ def flow_equations(
     """
     dim = mesh.skfem.dim()
     # of the drag where the fluid moves with the bed
-    kink = c.forchheimer > 0 and any(c.velocity_solid.items)
+    kink = c.forchheimer > 0 and any(c.comoving_velocity.items)
     if system is None:
         system = make_system(mesh, {"u": (2, dim), "p": (1, 0)}, 9 if kink else 5)
     velocities = np.full(system.size, np.nan)
@@ -309,6 +309,8 @@ def coefficients(plan: Any) -> porous_flow.Coefficients:
         porosity=plan.scene.packed_bed.porosity,
         permeability=medium.packing("permeability"),
         forchheimer=medium.packing("forchheimer"),
-        velocity_solid=Components(float(v) for v in plan.velocity_solid),
+        comoving_velocity=Components(
+            float(v) for v in medium.comoving(plan.velocity_solid)
+        ),
         speed=plan.speed or AT_REST,
     )

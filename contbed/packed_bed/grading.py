@@ -124,7 +124,8 @@ def _wall_layers(
     """
     permeability = medium.packing("permeability")
     forchheimer = medium.packing("forchheimer")
-    fastest = max(float(np.linalg.norm(solid)), float(np.linalg.norm(velocity - solid)))
+    comoving = medium.comoving(solid)
+    fastest = float(max(map(np.linalg.norm, (comoving, velocity - comoving))))
     inertia = (
         medium.mass_flux_scale()
         * forchheimer
@@ -211,11 +212,7 @@ def _at_inlet(
     """Return heat capacities of fluid and solid per volume [J/m3/K], thermal
     dispersion [W/m/K] and exchange [W/m3/K] at the temperature of the inlet.
     """
-    T, scale = medium.T_fluid_in, medium.mass_flux_scale()
-
-    def speed(density: Any) -> float:
-        return float(abs(scale / density * u - u_solid))
-
+    T, speed = medium.T_fluid_in, medium.relative_speed(u, u_solid)
     dispersion = medium.dispersion(T, speed)
     return (
         *medium.capacities,

@@ -47,7 +47,11 @@ class HeatCoefficients:
 
     def __init__(self, plan: Plan, flow: Flow | None, system: System, radiation: Any):
         self.scene, self.mesh, self.medium = plan.solved, plan.mesh, plan.medium
-        self.velocities = {"fluid": plan.velocity, "solid": plan.velocity_solid}
+        self.velocities = {
+            "fluid": plan.velocity,
+            "solid": plan.velocity_solid,
+            "comoving": plan.medium.comoving(plan.velocity_solid),
+        }
         self.flow, self.system, self.radiation = flow, system, radiation
         self.share = 1.0
 
@@ -57,7 +61,9 @@ class HeatCoefficients:
         return None if table is None else table.thermal(phase)
 
     def _velocity(self, phase: str, where: Domain) -> Any:
-        """Return the velocity of a phase on a domain; None when it rests."""
+        """Return the velocity of a phase, or of a gas that moves with the particles,
+        on a domain; None when it rests.
+        """
         flow = self.flow
         if phase == "fluid" and flow is not None:
             velocity = flow.velocity * (self.share / flow.share)
@@ -73,18 +79,19 @@ class HeatCoefficients:
         The mass flux of the fluid is what the scene gives.
         """
         scale = self.medium.mass_flux_scale()
-        fluid, solid = self._velocity("fluid", where), self._velocity("solid", where)
+        fluid = self._velocity("fluid", where)
+        comoving = self._velocity("comoving", where)
         if self.flow is None and self.medium.fluid.constant:
-            relative = self.velocities["fluid"] - self.velocities["solid"]
+            relative = self.velocities["fluid"] - self.velocities["comoving"]
             speed = float(np.linalg.norm(relative))
             return lambda density: speed
-        if fluid is None and solid is None:
+        if fluid is None and comoving is None:
             return lambda density: 0.0  # without the kink of the norm at 0
         still = Components([0.0] * self.mesh.skfem.dim())
 
         def speed_of(density: Any) -> Any:
             w = (still if fluid is None else fluid) * (scale / density) - (
-                still if solid is None else solid
+                still if comoving is None else comoving
             )
             return np.sqrt(Ops.dot(w, w))
 

@@ -162,9 +162,10 @@ def inside_of(
     """
     if scene.heat is None or medium.solid is None:
         return None
-    relative = float(np.linalg.norm(np.asarray(velocity) - np.asarray(velocity_solid)))
     T = medium.T_fluid_in
-    exchange = float(medium.exchange(T, lambda density: relative))
+    exchange = float(
+        medium.exchange(T, medium.relative_speed(velocity, velocity_solid))
+    )
     if exchange <= 0.0:
         return None
     radius, conductivity = 0.5 * scene.diameter, float(medium.solid.conductivity(T))

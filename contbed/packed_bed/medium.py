@@ -16,7 +16,12 @@ import numpy as np
 
 from contbed.closures import optics
 from contbed.closures.binding import BoundClosure, is_phase, named
-from contbed.closures.packed_beds import SURFACE, Packing, surface_diameter
+from contbed.closures.packed_beds import (
+    SURFACE,
+    Packing,
+    comoving_velocity,
+    surface_diameter,
+)
 from contbed.closures.ranges import RangeUse
 from contbed.materials import Solid
 from contbed.materials.constants import fluid_of
@@ -149,6 +154,28 @@ class Medium:
     def mass_flux_scale(self) -> float:
         """Return the density that turns superficial velocity into mass flux [kg/m3]."""
         return float(self.fluid.density(self.T_fluid_in))
+
+    def comoving(self, velocity_solid: Any) -> Any:
+        """Return the superficial velocity of a fluid that moves with the particles
+        [m/s].
+
+        `velocity_solid` is theirs, superficial too.
+        """
+        bed = self.scene.packed_bed
+        if bed.relative_velocity == "superficial":
+            return velocity_solid
+        return comoving_velocity(velocity_solid, bed.porosity)
+
+    def relative_speed(
+        self, velocity: Any, velocity_solid: Any
+    ) -> Callable[[Any], float]:
+        """Return the superficial speed relative to the particles [m/s] as a function
+        of the fluid's density; the velocities are numbers or vectors.
+        """
+        comoving, scale = self.comoving(velocity_solid), self.mass_flux_scale()
+        return lambda density: float(
+            np.linalg.norm(scale / density * velocity - comoving)
+        )
 
     @property
     def capacities(self) -> tuple[float, float]:

@@ -4,7 +4,8 @@ fluid.
 The mass flux G is what the scene gives, at the density of the inlet, and is the same
 all along; so u = G/rho(T), and
 
-    dp/dx = -(mu/K + rho c_F/sqrt(K) |w|) w - d(G u/eps^2)/dx,      w = u - u_solid
+    dp/dx = -(mu/K + rho c_F/sqrt(K) |w|) w - d(G u/eps^2)/dx,      w = u - u_0
+    u_0: velocity of a fluid that moves with the particles, see `Medium.comoving`
     |w|: speed in all directions, of streams that cross the bed as well
 
 with the properties at the local temperature: Darcy and Forchheimer's resistance, and
@@ -72,7 +73,7 @@ def _resistance(plan: Any, T: Array) -> tuple[Array, Array, Array]:
     density = np.broadcast_to(medium.fluid.density(T), T.shape)
     viscosity = np.broadcast_to(medium.fluid.viscosity(T), T.shape)
     u = medium.mass_flux_scale() * plan.velocity[:, None] / density
-    w = u - plan.velocity_solid[:, None]
+    w = u - medium.comoving(plan.velocity_solid)[:, None]
     speed = np.sqrt(np.sum(w**2, axis=0))
     drag = (
         viscosity / permeability

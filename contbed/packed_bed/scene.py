@@ -121,6 +121,10 @@ class PackedBed(Table):
     reynolds: NonNegative | None = None
     """fixed Reynolds number for the closures instead of the one from velocities and
     properties"""
+    relative_velocity: Literal["interstitial", "superficial"] = "interstitial"
+    """velocity of the gas relative to particles that move, for drag and closures:
+    interstitial: u - porosity u_s/(1 - porosity), 0 where both move together;
+    superficial: u - u_s, after Pivem and de Lemos (2012)"""
     dead_state: Temperature = 298.15
     """temperature of the surroundings, at which a stream has no exergy"""
 

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from contbed.packed_bed.inlets import (
     enters,
-    given_velocity,
     key_of,
     velocities_given,
-    velocity_vector,
 )
-from contbed.packed_bed.scene import PackedBed
 from contbed.packed_bed.schedule import PHASES
 from contbed.packed_bed.schedule_checks import (
     NAMES,
@@ -19,13 +14,9 @@ from contbed.packed_bed.schedule_checks import (
     at_each_time,
 )
 from contbed.scene.checking import Mistakes, See
-from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile
+from contbed.scene.mesh import Mesh, MeshAxisymmetric
 from contbed.scene.series import VelocitySeries
 from contbed.scene.toml_lines import dotted
-
-# share of the velocity relative to the particles, of which drag and exchange are known
-# to some ten percent
-SMALL_SHARE = 0.02
 
 
 @at_each_time
@@ -85,31 +76,3 @@ def velocities_of_files_are_steps(boundary: Boundaries) -> Mistakes:
                 "holds from each row of the file to the next, while temperatures change "
                 'linearly; write form = "step" if that is meant, or give closer rows',
             )
-
-
-@at_each_time
-def particles_move_slowly(
-    mesh: Mesh, boundary: Boundaries, packed_bed: PackedBed
-) -> Mistakes:
-    """Look for particles so fast that the difference of superficial velocities, which
-    drag and exchange take, is not the velocity relative to the particles,
-    u - eps u_s/(1 - eps).
-    """
-    moving = given_velocity(boundary, "solid")
-    if moving is None or isinstance(mesh, MeshFile):
-        return
-    fluid, solid = (
-        np.array(velocity_vector(mesh, boundary, phase), dtype=float)
-        for phase in PHASES
-    )
-    eps = packed_bed.porosity
-    relative = float(np.linalg.norm(fluid - eps / (1.0 - eps) * solid))
-    taken = float(np.linalg.norm(fluid - solid))
-    if abs(taken - relative) > SMALL_SHARE * relative:
-        yield (
-            key_of(boundary, moving[0], "solid", "velocity"),
-            "drag and exchange take the difference of the superficial velocities, "
-            f"{taken:.3g} m/s; relative to the particles the fluid moves at "
-            f"{relative:.3g} m/s, superficially; the pressure drop is wrong by about "
-            "the same ratio or its square",
-        )

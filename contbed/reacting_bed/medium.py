@@ -14,7 +14,7 @@ import numpy as np
 from contbed.chemistry.local import SHARPEST, Local, Smoothing
 from contbed.chemistry.thermo import R_GAS
 from contbed.closures.binding import BoundClosure, is_phase
-from contbed.closures.packed_beds import SURFACE, Packing
+from contbed.closures.packed_beds import SURFACE, Packing, comoving_velocity
 from contbed.closures.ranges import RangeUse
 from contbed.errors import SceneError
 from contbed.materials.curve import Function, function_of
@@ -209,8 +209,7 @@ class Closures:
 
     def slip(self, state: State) -> Any:
         """Return the superficial velocity relative to the particles [m/s]."""
-        eps = self.porosity
-        return state.u - eps * self.velocity_solid / (1.0 - eps)
+        return state.u - comoving_velocity(self.velocity_solid, self.porosity)
 
     def used(self) -> list[RangeUse]:
         """Return how each closure was used in its last evaluation."""

@@ -70,10 +70,7 @@ def closed_form_arguments(plan: Plan) -> dict[str, Any] | None:
         return None
     T, scale = medium.T_fluid_in, medium.mass_flux_scale()
     u, u_solid = float(plan.velocity[0]), float(plan.velocity_solid[0])
-
-    def speed(density: Any) -> float:
-        return float(abs(scale / density * u - u_solid))
-
+    speed = medium.relative_speed(u, u_solid)
     along, _ = medium.dispersion(T, speed) or (0.0, 0.0)
     add_fluid, add_solid, cross = medium.tortuosity(T) or (0.0, 0.0, 0.0)
     exchange = float(medium.exchange(T, speed))

@@ -334,16 +334,3 @@ def test_a_velocity_from_a_file_says_that_it_changes_in_steps(tmp_path):
     assert said in str(loads(text, "bed.toml", base=tmp_path).warnings)
     meant = text.replace('column = "u" }', 'column = "u", form = "step" }')
     assert said not in str(loads(meant, "bed.toml", base=tmp_path).warnings)
-
-
-def test_particles_as_fast_as_the_fluid_are_warned_of():
-    """Shot sinks through oil: u + v = 3.2 mm/s, but u + eps v/(1 - eps) is
-    2 + 0.39/0.61 x 1.2 = 2.77 mm/s relative to the particles.
-    """
-    template = MODELS["packed_bed"].template.read_text(encoding="utf-8")
-    fast = template.replace("porosity = 0.4", "porosity = 0.39")
-    fast = fast.replace("0.5 m/s", "2 mm/s").replace("0.3 mm/s", "1.2 mm/s")
-    assert "relative to the particles" not in str(loads(template, "bed.toml").warnings)
-    (warning,) = loads(fast, "bed.toml").warnings
-    assert "velocities, 0.0032 m/s; relative to the particles" in warning
-    assert "moves at 0.00277 m/s" in warning

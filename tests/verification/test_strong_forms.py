@@ -287,7 +287,7 @@ def flow_strong(case: Flow, dim: int, x: Any) -> tuple[list[Any], Any]:
     jets = [jet(lambda *at, k=k: fields["u"](*at)[k], x) for k in range(dim)]
     u = [value.value for value, _ in jets]
     slope_p = jet(fields["p"], x)[1]
-    w = [u_k - solid for u_k, solid in zip(u, c.velocity_solid.items, strict=True)]
+    w = [u_k - solid for u_k, solid in zip(u, c.comoving_velocity.items, strict=True)]
     speed = np.sqrt(sum(w_k**2 for w_k in w))
     resistance = (
         c.viscosity / c.permeability

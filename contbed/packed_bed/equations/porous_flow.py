@@ -1,12 +1,15 @@
 """Darcy-Brinkman-Forchheimer flow of a fluid through a bed that rests or moves.
 
     div G = 0,   G = rho u
-    (1/eps) G.grad u = -grad p + div(mu grad u) - eps (mu/K + rho c_F/sqrt(K) |w|) w,      w = u - u_solid
+    (1/eps) G.grad u = -grad p + div(mu grad u) - eps (mu/K + rho c_F/sqrt(K) |w|) w,      w = u - eps u_solid/(1 - eps)
 
 u        superficial fluid velocity [m/s]          u_solid  superficial solid velocity [m/s], uniform
 p        eps times the intrinsic pressure [Pa]     eps      porosity [1]
 K        permeability [m2]                         c_F      Forchheimer coefficient [1]
 rho, mu  density [kg/m3], viscosity [Pa s]         G        superficial mass flux [kg/m2/s]
+
+w is 0 where the fluid moves with the particles, u/eps = u_solid/(1 - eps). With
+packed_bed.relative_velocity = "superficial" it is u - u_solid, as in the source.
 
 The unknown is U = G/rho_in, the velocity at the density of the inlet, which is the
 prescribed one there and free of divergence also where the fluid expands; u = s U with
@@ -39,8 +42,8 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Coefficients of the momentum balance in SI; `velocity_solid` has one entry for
-    each dimension.
+    """Coefficients of the momentum balance in SI; `comoving_velocity` is that of a
+    fluid without drag, with one entry for each dimension.
 
     `density` is that at the inlet, `expansion` what it is over the local one, 1 for a
     fluid that does not expand.
@@ -51,7 +54,7 @@ class Coefficients:
     porosity: float
     permeability: float
     forchheimer: float
-    velocity_solid: Any
+    comoving_velocity: Any
     speed: float
     expansion: Any = 1.0
 
@@ -73,7 +76,7 @@ def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
     """
     U, p, v, q = unknowns.u, unknowns.p, tests.u, tests.p
     u, slope = _expanded(U, c.expansion, o)
-    w = u - c.velocity_solid
+    w = u - c.comoving_velocity
     inertia = (c.density / c.porosity) * o.dot(o.mul(slope, U), v)
     viscous = c.viscosity * o.inner(slope, o.grad(v))
     if o.axisymmetric:
