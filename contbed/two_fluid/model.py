@@ -46,8 +46,6 @@ class Options:
         sub-cycle of its temperature
     dt_max, dt_first [s] : largest and first step; growth : of the step at most
     dt [s] : fixed step, instead of the Courant number
-    order : in time, 1 or 2; a step of order 2 extrapolates from one step and two
-        halves, and costs three; where a limit acts it does not, and is counted
     limited : limit reconstructions; off keeps full order for smooth fields
     theta : "pde", "algebraic" (production balances dissipation) or "frozen"
     """
@@ -57,7 +55,6 @@ class Options:
     dt_first: float = 1e-5
     growth: float = 1.1
     dt: float | None = None
-    order: Literal[1, 2] = 1
     limited: bool = True
     theta: Literal["pde", "algebraic", "frozen"] = "pde"
 

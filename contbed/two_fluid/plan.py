@@ -414,6 +414,5 @@ def _options(scene: t.TwoFluidScene) -> Options:
         dt_max=time.longest,
         dt_first=time.first,
         dt=time.step,
-        order=time.order,
         theta=scene.two_fluid.granular_temperature,
     )

@@ -221,8 +221,6 @@ class Time(Table):
     """longest time step"""
     first: Seconds = 1e-5
     """first time step"""
-    order: Literal[1, 2] = 1
-    """order of the time integration"""
     average_from: Instant | None = None
     """absent: no averages"""
     sample: Seconds | None = None

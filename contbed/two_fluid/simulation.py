@@ -10,13 +10,11 @@ import numpy as np
 
 from contbed.two_fluid.boundary import Condition, assemble
 from contbed.two_fluid.compiled import Array
-from contbed.two_fluid.fv import limiter
 from contbed.two_fluid.fv.gradient import MIN_BINDING_FRACTION
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import MAX_SUBCYCLES, SUBCYCLE_COURANT
 from contbed.two_fluid.properties import shear_rate
 from contbed.two_fluid.state import (
-    State,
     booked,
     check_finite,
     fastest_gas,
@@ -190,9 +188,7 @@ class Simulation:
 
     def step(self, dt: float) -> None:
         """One step of `dt` [s]."""
-        new, total = first_order(self.state, dt, self.model)
-        if self.model.options.order == 2:
-            new, total = second_order(self.state, new, total, dt, self.model)
+        new, total = step(self.state, dt, self.model), self.state.fluxes.total
         moved = new.fluxes.moved
         account = booked(
             self.state.account, dt, (moved, total - moved), self.model.grid
@@ -202,80 +198,3 @@ class Simulation:
             new, account=account, time=time, dt=dt, dt_wanted=dt, steps=steps
         )
         check_finite(self.state, self.model.grid)
-
-
-def first_order(state: State, dt: float, model: Model) -> tuple[State, Array]:
-    """State after one step, and the total flux (nf,) [m3/s] in it."""
-    return step(state, dt, model), state.fluxes.total
-
-
-def second_order(
-    state: State, whole: State, first: Array, dt: float, model: Model
-) -> tuple[State, Array]:
-    """Twice two half steps less one step (Richardson extrapolation): second order in
-    time.
-
-    Fluxes are extrapolated and limited, so that fractions stay conserved and within
-    bounds. Where a limit acts or a cell packs, time has no second order, and what
-    extrapolation adds can grow from step to step: then the half steps stay as they are.
-
-    Parameters
-    ----------
-    state : at the start; whole : after one step
-    first : total flux (nf,) [m3/s] in the one step
-
-    Returns
-    -------
-    state, total flux (nf,) [m3/s] in the step
-    """
-    acted = _limited(state)
-    middle = step(replace(state, counters=whole.counters), 0.5 * dt, model)
-    end = step(middle, 0.5 * dt, model)
-    moved = 0.5 * middle.fluxes.moved + 0.5 * end.fluxes.moved
-    total = 0.5 * state.fluxes.total + 0.5 * middle.fluxes.total
-    if _limited(end) > acted:
-        counters = end.counters.add(first_order_steps=1)
-        return replace(
-            end, counters=counters, fluxes=end.fluxes._replace(moved=moved)
-        ), total
-    moved = 2.0 * moved - whole.fluxes.moved
-    eps_s, upwind_cells = (
-        np.empty_like(state.eps_s),
-        np.empty(len(state.eps_s), dtype=np.bool_),
-    )
-    bounds, halo = (
-        limiter.Bounds(state.eps_s, model.sources.solid, model.materials.eps_max),
-        model.grid.halo,
-    )
-    touched, rounds = limiter.limit(
-        model.grid.geometry, dt, bounds, moved, eps_s, upwind_cells, halo
-    )
-    counters = end.counters.add(limited_faces=touched, limiter_rounds=rounds)
-    theta = 2.0 * end.theta - whole.theta
-    below = theta < 0.0
-    if halo.any(bool(below.any())):
-        counters = counters.add(
-            theta_clipped_cells=int(*halo.sum(int(below[halo.cells].sum())))
-        )
-        theta[below] = end.theta[below]
-    fluxes = end.fluxes._replace(
-        moved=moved,
-        solid=2.0 * end.fluxes.solid - whole.fluxes.solid,
-        total=2.0 * end.fluxes.total - whole.fluxes.total,
-    )
-    new = replace(
-        end,
-        eps_s=eps_s,
-        u_gas=2.0 * end.u_gas - whole.u_gas,
-        u_solid=2.0 * end.u_solid - whole.u_solid,
-        theta=theta,
-        p=2.0 * end.p - whole.p,
-        fluxes=fluxes,
-        counters=counters,
-    )
-    return new, 2.0 * total - first
-
-
-def _limited(state: State) -> int:
-    """How often a limit has acted or a cell packed."""
-    return state.counters.limited_faces + state.counters.packing_rounds

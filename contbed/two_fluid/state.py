@@ -116,7 +116,6 @@ class Counters(NamedTuple):
     limited_steps: int = 0
     limiter_rounds: int = 0
     packing_rounds: int = 0
-    first_order_steps: int = 0
     theta_upwind_cells: int = 0
     theta_clipped_cells: int = 0
 

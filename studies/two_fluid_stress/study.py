@@ -113,14 +113,11 @@ TRIANGLES = {"mesh": {"shape": "triangle", "cells": [9, 27]}}
 ALGEBRAIC = {"two_fluid": {"granular_temperature": "algebraic"}}
 UNGUARDED = {"two_fluid": {"guards": False}}
 FROZEN = {"two_fluid": {"granular_temperature": "frozen"}}
-SECOND = {"time": {"order": 2}}
 VARIANTS = {
     "quadrilaterals": {},
     "triangles": TRIANGLES,
     "Schaeffer": SCHAEFFER,
     "Schaeffer, triangles": merged(SCHAEFFER, TRIANGLES),
-    "second order in time": SECOND,
-    "second order, triangles": merged(SECOND, TRIANGLES),
     "algebraic theta": ALGEBRAIC,
     "theta = 0": {"initial": {"solids": {"beads": {"granular_temperature": 0.0}}}},
     "theta frozen": FROZEN,
@@ -153,7 +150,6 @@ def all_cases() -> Iterator[Case]:
         for name in (
             "triangles",
             "Schaeffer",
-            "second order in time",
             "algebraic theta",
             "no guards",
         ):
@@ -171,7 +167,7 @@ def all_cases() -> Iterator[Case]:
             0.6,
             merged(fall, {"time": {"courant": courant}}),
         )
-    for name in ("triangles", "Schaeffer", "second order in time"):
+    for name in ("triangles", "Schaeffer"):
         yield Case(
             "fall", f"column in a box, {name}", 0.6, merged(fall, VARIANTS[name])
         )
@@ -182,7 +178,7 @@ def all_cases() -> Iterator[Case]:
         merged(fall, {"solids": {"beads": {"diameter": 3e-3, "restitution": 1.0}}}),
     )
 
-    for name in ("quadrilaterals", "triangles", "no guards", "second order in time"):
+    for name in ("quadrilaterals", "triangles", "no guards"):
         yield Case(
             "inlet", f"gas into an empty box, {name}", 0.5, merged(VARIANTS[name], {})
         )

@@ -115,7 +115,6 @@ BEDS = {
         time.longest = 5e-4
         """
     ),
-    "triangles_second_order": bed(TRIANGLES + "time.order = 2"),
     "triangles_around_an_axis": bed(ROUND, ("boundary.left", "boundary.right")),
     "periodic": bed(
         'boundary.left = { type = "periodic", partner = "right" }', ("boundary.right",)

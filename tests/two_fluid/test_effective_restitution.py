@@ -21,7 +21,6 @@ FRICTION = {
 }
 FAST = {
     "time.step": 2e-4,
-    "time.order": 2,
     "time.end": 0.02,
     "time.sample": 0.02,
     "mesh.cells": [2, 2],
@@ -123,10 +122,8 @@ def test_cooling_follows_haff_with_the_effective_restitution():
         * closures.g0_sinclair_jackson(0.3, 0.6)
         / (150e-6 * np.pi**0.5)
     )
-    # 2.4e-4 is left at this step, 6.4e-5 and 1.7e-5 at a half and a quarter of it: of
-    # second order
     assert result.qoi["theta_final"] == approx(
-        1e-2 / (1.0 + 0.1 * b * 0.02 / 2.0) ** 2, rel=5e-4
+        1e-2 / (1.0 + 0.1 * b * 0.02 / 2.0) ** 2, rel=1e-10
     )
     assert result.qoi["effective_restitution"] == approx(e, rel=1e-15)
 

@@ -93,14 +93,12 @@ def watched(bed, end):
     return max(dense), max(fast)
 
 
-@pytest.mark.parametrize(("courant", "order"), [(0.5, 1), (0.9, 1), (1.0, 1), (0.5, 2)])
-def test_slug_thrown_on_a_wall_packs_and_stays(courant, order):
+@pytest.mark.parametrize("courant", [0.5, 0.9, 1.0])
+def test_slug_thrown_on_a_wall_packs_and_stays(courant):
     # at eps_s = 0.605 friction over rho_s is 23 m2/s2, far more than stops 1 m/s and
-    # the fall: nothing packs further or flies apart. With one tangent a step, or
-    # extrapolated through the shock, particles reach hundreds of m/s
-    dense, fast = watched(
-        build(initial=THROWN, courant=courant, order=order, cells=(12, 36)), 0.25
-    )
+    # the fall: nothing packs further or flies apart. With one tangent a step
+    # particles reach hundreds of m/s
+    dense, fast = watched(build(initial=THROWN, courant=courant, cells=(12, 36)), 0.25)
     assert 0.55 < dense < 0.605
     assert fast < 2.0
 
@@ -116,7 +114,7 @@ def test_slug_thrown_on_a_wall_packs_and_stays(courant, order):
             "courant": 1.0,
         },
         {"solids": {"beads": {"diameter": 3e-3, "restitution": 1.0}}},
-        {"solids": {"beads": {"diameter": 50e-6, "restitution": 0.5}}, "order": 2},
+        {"solids": {"beads": {"diameter": 50e-6, "restitution": 0.5}}},
         {
             "solids": {"beads": {"density": 1100.0}},
             "gas": {"density": 1000.0, "viscosity": 1e-3},

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
-from contbed.scene.checking import Mistakes, See
+from contbed.scene.checking import Mistakes
 from contbed.scene.tables import Closure
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.two_fluid import scene as t
@@ -46,8 +46,6 @@ def heat_is_complete(
     two_fluid: t.TwoFluid,
     initial: Initial,
     boundary: dict[str, Boundary],
-    time: t.Time,
-    see: See,
 ) -> Mistakes:
     """Check that temperatures are given where there is heat."""
     if heat is None:
@@ -80,12 +78,6 @@ def heat_is_complete(
                     "two_fluid.conductivity_gas or _solids, or a number or closure for wall_heat"
                 )
                 yield ("boundary", name, "temperature"), text
-    if time.order == 2:
-        yield (
-            ("time", "order"),
-            "2 is for flow without heat, whose steps are of first order; give 1, "
-            f"or remove {see('heat')}",
-        )
 
 
 def nothing_is_heated_without_heat(
