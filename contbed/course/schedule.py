@@ -140,20 +140,13 @@ class Schedule:
             for path, values in self.samples.items()
         )
 
-    def jumps(self, time: float, among: str = "", since: float = 0.0) -> bool:
-        """Return whether a value jumps at a time; `among` is the table or the last key
-        of those that are looked at.
-
-        `since` is the last cut before it [s]. Values on both sides of a kink may differ
-        by rounding.
+    def jumps(self, time: float) -> bool:
+        """Return whether a value jumps at a time; values on both sides of a kink may
+        differ by rounding.
         """
         return any(
-            np.any(
-                np.abs(values.at(time) - values.at(time, True, since))
-                > _rounding(values)
-            )
-            for path, values in self.samples.items()
-            if not among or among in (path[0], path[-1])
+            np.any(np.abs(values.at(time) - values.at(time, True)) > _rounding(values))
+            for values in self.samples.values()
         )
 
 

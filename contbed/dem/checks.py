@@ -6,12 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from contbed.dem import dumps
 from contbed.dem import scene as p
 from contbed.dem.heat import VORONOI
 from contbed.dem.particle_files import (
     FileParticles,
-    missing_step,
     read_particles,
     tells_radii,
 )
@@ -302,16 +300,11 @@ def _mistakes_in_file(
     if "\0" in particles.file or not path.is_file():
         yield key, f"no such file; looked for {path.absolute()}"
         return
-    if particles.step is not None and dumps.is_dump(path):
-        frames = dumps.read_dump(path)
-        if particles.step not in [frame.step for frame in frames]:
-            yield ("particles", "step"), missing_step(frames)
-            return
     if solid.diameter is None and not tells_radii(path):
         text = f"missing; {particles.file} has no radii"
         yield ("solids", name, "diameter"), text
         return
-    found = read_particles(path, solid.radius, particles.step)
+    found = read_particles(path, solid.radius)
     yield from _fits(found, particles)
 
 

@@ -45,17 +45,14 @@ class FileParticles(NamedTuple):
         ).max(axis=0)
 
 
-def read_particles(
-    path: Path, radius: float | None = None, step: int | None = None
-) -> FileParticles:
-    """Read the particles of a dump or of a table.
+def read_particles(path: Path, radius: float | None = None) -> FileParticles:
+    """Read the particles of a table, or of the last step of a dump.
 
     Parameters
     ----------
     path : dump of LIGGGHTS or LAMMPS, a table with commas, or a VTU file of contbed;
         .gz of text is unpacked
     radius : of all spheres [m]; None: as the file says
-    step : of a dump; None: the last one
 
     Raises
     ------
@@ -65,13 +62,11 @@ def read_particles(
         stamp = stamp_of(path)
     except OSError:
         raise SceneError(f"{path}:1: no such file") from None
-    return _read(path, radius, step, stamp)
+    return _read(path, radius, stamp)
 
 
 @lru_cache(maxsize=2)
-def _read(
-    path: Path, radius: float | None, step: int | None, stamp: Stamp
-) -> FileParticles:
+def _read(path: Path, radius: float | None, stamp: Stamp) -> FileParticles:
     """Read a file and keep it for the checks of a scene and its plan, until `stamp`
     changes.
     """
@@ -83,14 +78,7 @@ def _read(
                 f"{path}:1: no radius; set solids.NAME.diameter, or add a column radius"
             )
         return FileParticles(table.x, given, table.velocity)
-    frames = dumps.read_dump(path)
-    frame = (
-        frames[-1]
-        if step is None
-        else next((frame for frame in frames if frame.step == step), None)
-    )
-    if frame is None:
-        raise SceneError(f"{path}:1: step {step} is {missing_step(frames)}")
+    frame = dumps.read_dump(path)[-1]
     frame.require_usable(path)
     speeds = [frame.columns.get(name) for name in ("vx", "vy", "vz")]
     known = [speed for speed in speeds if speed is not None]
@@ -116,11 +104,6 @@ def _wrapped(frame: dumps.Frame) -> Array:
         frame.x - turns * (frame.high - frame.low),
         frame.x,
     )
-
-
-def missing_step(frames: list[dumps.Frame]) -> str:
-    """Say that a dump lacks a step, and which ones it has."""
-    return f"not in the dump; it has {', '.join(str(frame.step) for frame in frames)}"
 
 
 def write_particles(path: Path | str, x: Array, columns: Mapping[str, Array]) -> None:

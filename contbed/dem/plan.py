@@ -278,9 +278,7 @@ def _from_file(
     """
     table = scene.particles
     assert table.file is not None
-    found = read_particles(
-        scene.origin.base / table.file, scene.solid.radius, table.step
-    )
+    found = read_particles(scene.origin.base / table.file, scene.solid.radius)
     periodic = found.periodic if table.layers is None else (*found.periodic[:2], False)
     return found.x, found.radius, found.box, periodic
 

@@ -189,13 +189,11 @@ class Particles(Table):
     """Spheres of a file, a lattice or a packing, and steady conduction between them.
 
     A file has x,y,z in metres with commas, or is a .vtu of contbed, or a dump
-    (`ITEM: TIMESTEP` first).
+    (`ITEM: TIMESTEP` first), of which the last step counts.
     """
 
     file: str | None = None
     """path relative to the scene"""
-    step: Natural | None = None
-    """of a dump; the last one if absent"""
     lattice: Lattice | None = None
     packing: Packing | None = None
     modulus: Pressure | None = None

@@ -31,17 +31,11 @@ def overlap_by_pressure(
     pressure: float,
     radius: float,
     material: Material,
-    solids: float = SOLID_SHARE,
-    coordination: float = TOUCHING,
 ) -> float:
     """Find the overlap [m] of equal spheres of `radius` [m] whose packing bears a
     `pressure` [Pa].
-
-    Parameters
-    ----------
-    solids, coordination : solids volume fraction phi, contacts Z of a sphere
     """
-    force = 4.0 * np.pi * radius**2 * pressure / (solids * coordination)
+    force = 4.0 * np.pi * radius**2 * pressure / (SOLID_SHARE * TOUCHING)
     return float(
         (9.0 * force**2 / (8.0 * radius * material.contact_modulus**2)) ** (1.0 / 3.0)
     )

@@ -150,7 +150,6 @@ def write_fields(
     path: Path,
     mesh: skfem.Mesh,
     nodal: Mapping[str, tuple[Space, Array]],
-    region: bool = True,
 ) -> str:
     """Write fields on Lagrange spaces of degree 1 to 3 as one .vtu with quadratic
     cells; return its name.
@@ -161,8 +160,9 @@ def write_fields(
     mesh : mesh of all spaces
     nodal : space and values, (size,) or (ncomponents, size), of each field; names ASCII
         without spaces
-    region : add the cells' region, numbered in the order of `mesh.subdomains`, when
-        there is more than one
+
+    Where there is more than one region, `region` numbers those of the cells in the order
+    of `mesh.subdomains`.
     """
     quadratic = Space(mesh, 2)
     name, cells = quadratic_cells(quadratic)
@@ -176,7 +176,7 @@ def write_fields(
         data[field] = sampled if sampled.ndim == 1 else _padded(sampled)
     subdomains = mesh.subdomains or {}
     cell_data: dict[str, NDArray[Any]] = {}
-    if region and len(subdomains) > 1:
+    if len(subdomains) > 1:
         number = np.full(mesh.nelements, -1, dtype=np.int32)
         for k, members in enumerate(subdomains.values()):
             number[members] = k

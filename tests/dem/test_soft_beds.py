@@ -16,6 +16,7 @@ import pytest
 import contbed as cb
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material
+from contbed.dem.scene import SOLID_SHARE
 from contbed.dem.softness import denser_by_weight, overlap_by_pressure
 from contbed.loading import loads
 from tests.imported import modules_after
@@ -40,9 +41,9 @@ GAS = (Path(cb.__file__).parent / "cfd_dem" / "template.toml").read_text()
 def test_overlap_in_a_simple_cubic_lattice():
     """Round-off: F = p d^2 = 4/3 E* sqrt(R/2) delta^1.5."""
     material, pressure = Material(2500.0, 3e6, 0.2), 40.0
-    overlap = overlap_by_pressure(
-        pressure, RADIUS, material, solids=np.pi / 6.0, coordination=6.0
-    )
+    # 6 contacts as in a random bed, which has more spheres in a volume
+    more = SOLID_SHARE / (np.pi / 6.0)
+    overlap = overlap_by_pressure(more * pressure, RADIUS, material)
     modulus = material.youngs_modulus / (2.0 * (1.0 - 0.2**2))
     force = 4.0 / 3.0 * modulus * np.sqrt(0.5 * RADIUS) * overlap**1.5
     assert force == pytest.approx(pressure * (2.0 * RADIUS) ** 2, rel=1e-12)

@@ -127,7 +127,7 @@ def test_between_two_near_jumps_there_is_what_holds_since_the_first(later, perio
         )
     assert samples.at(second) == 3.0
     assert samples.at(first, before=True) == 1.0
-    assert schedule.jumps(second, since=first)
+    assert schedule.jumps(second)
 
 
 def test_kinks_of_two_series_whose_times_differ_by_rounding_are_no_jumps():

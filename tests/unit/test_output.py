@@ -226,8 +226,6 @@ def test_vtu_regions(tmp_path):
         np.flatnonzero(region == list(mesh.subdomains).index("wall")),
         mesh.subdomains["wall"],
     )
-    write_fields(tmp_path / "a.vtu", mesh, {}, region=False)
-    assert not meshio.read(tmp_path / "a.vtu").cell_data
 
 
 def test_vtu_refuses_nonsense(tmp_path):
