@@ -66,7 +66,7 @@ class Curve:
         return self._sums[k] + distance * (self.values[k] + 0.5 * slope * distance)
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class LatentHeat:
     """Heat of melting as an effective heat capacity, spread over a range of
     temperature.
@@ -80,6 +80,8 @@ class LatentHeat:
     heat: float  # L [J/kg]
     start: float  # [K], all solid below
     end: float  # [K], all liquid above
+    # [K] in place of both while a steady state is followed to them
+    spread: tuple[float, float] | None = None
 
     def heat_capacity(self, T: Any) -> Any:
         """Return the part of the heat capacity [J/kg/K]."""
@@ -89,8 +91,17 @@ class LatentHeat:
         """Return the heat taken up by melting [J/kg]."""
         return pointwise(self._enthalpy, self._capacity, T)
 
+    @property
+    def _range(self) -> tuple[float, float]:
+        return self.spread or (self.start, self.end)
+
+    @property
+    def _width(self) -> float:
+        low, high = self._range
+        return high - low
+
     def _share(self, T: Any) -> Any:
-        share = (T - self.start) / (self.end - self.start)
+        share = (T - self._range[0]) / self._width
         return np.minimum(np.maximum(share, 0.0), 1.0)
 
     def _enthalpy(self, T: Any) -> Any:
@@ -100,11 +111,11 @@ class LatentHeat:
     def _capacity(self, T: Any) -> Any:
         s = self._share(T)
         rest = s * (1.0 - s)
-        return 30.0 * self.heat / (self.end - self.start) * rest * rest
+        return 30.0 * self.heat / self._width * rest * rest
 
     def _slope(self, T: Any) -> Any:
         s = self._share(T)
-        scale = 60.0 * self.heat / (self.end - self.start) ** 2
+        scale = 60.0 * self.heat / self._width**2
         return scale * s * (1.0 - s) * (1.0 - 2.0 * s)
 
 

@@ -5,6 +5,7 @@ conditions, solution, balances.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -386,8 +387,8 @@ class HeatProblem:
         return lower
 
     def solve(self, policy: Policy, start: Any = None) -> tuple[Any, list[float]]:
-        """Find the steady state by Newton, from `start` if given, and by
-        continuation in time where Newton fails.
+        """Find the steady state by Newton, from `start` if given, and where Newton
+        fails by continuation, in the range of melting or in time.
         """
         policy = self.system.ordered(policy)
         options = self.options("heat")
@@ -398,10 +399,39 @@ class HeatProblem:
         except ConvergenceError:
             if self.linear:
                 raise
+        if self._melts:
+            with suppress(ConvergenceError):
+                start = self._narrowed(policy)
+                return newton(self.steady, start, self.fixed, policy, options)
         from contbed.solvers.continuation import relax
 
-        start = relax(self, self.initial(), policy, self.lower)
+        try:
+            start = relax(self, self.initial(), policy, self.lower)
+        except ConvergenceError as error:
+            advice = "refine the mesh, or follow the bed in time by [time]"
+            raise ConvergenceError(
+                f"{error}; {advice}", error.history, error.state
+            ) from None
         return newton(self.steady, start, self.fixed, policy, options)
+
+    @property
+    def _melts(self) -> bool:
+        """Whether a solid that moves melts in a part of the temperatures."""
+        latent, (low, high) = self.medium.solid.latent_heat, self.T_span
+        moves = self.coefficients.solid.mass_flux is not None
+        return moves and latent is not None and latent.end - latent.start < high - low
+
+    def _narrowed(self, policy: Policy) -> Any:
+        """Return the steady state, followed from melting at all temperatures."""
+        from contbed.packed_bed.melting import narrowed
+
+        latent, options = self.medium.solid.latent_heat, self.options("melting")
+        return narrowed(
+            latent,
+            self.T_span,
+            lambda state: newton(self.steady, state, self.fixed, policy, options)[0],
+            self._frozen(policy),
+        )
 
     def options(self, what: str) -> Options:
         """Return the options of Newton's method."""

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pytest import approx
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import erf
 
@@ -133,6 +134,71 @@ def test_front_of_melting_follows_stefan():
     exact = hot - (hot - 400.0) * erf(0.5 * root) / erf(root)
     assert middle == approx(exact, abs=0.02 * (hot - 400.0))
     assert before > 400.0 > behind
+
+
+@pytest.mark.parametrize(("start", "end"), [(576.0, 582.0), (560.0, 600.0)])
+def test_solids_that_sink_through_cold_gas_freeze(start, end):
+    """Counterflow without conduction: the heat that the solid has lost is that of the
+    gas, and one equation is left, integrated from the end where the solid leaves.
+    """
+    hot, cold, length, nusselt, conductivity, diameter = (
+        673.0,
+        298.0,
+        0.3,
+        20.0,
+        0.04,
+        0.012,
+    )
+    latent, of_gas, of_solid = 178e3, 0.7 * 1030.0, 1.8e-4 * 2000.0
+    scene = scene_of(
+        f"""
+        mesh = {{ type = "line", length = {length}, cells = 150 }}
+        gas = {{ density = 0.7, viscosity = 2.8e-5, heat_capacity = 1030, conductivity = {conductivity} }}
+        packed_bed.porosity = 0.4
+        heat = {{}}
+        [solids.pcm]
+        density = 2000
+        heat_capacity = 1500
+        conductivity = 1.0
+        diameter = {diameter}
+        inside.heat = "lumped"
+        melting = {{ latent_heat = {latent}, start = {start}, end = {end} }}
+        [closures]
+        nusselt = {nusselt}
+        conductivity_gas = 1e-6
+        conductivity_solids = 1e-6
+        [boundary.left]
+        gas = {{ velocity = 1.0, temperature = {cold} }}
+        [boundary.right]
+        solids.pcm = {{ velocity = 1.8e-4, temperature = {hot} }}
+        """
+    )
+    found = cb.run(from_dict(scene))
+    exchange = 0.6 * 6.0 * nusselt * conductivity / diameter**2
+
+    def melted(T):
+        s = np.clip((T - start) / (end - start), 0.0, 1.0)
+        return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+
+    def heat(T):
+        return of_solid * (1500.0 * T + latent * melted(T))
+
+    def entering(leaves):
+        def slope(_, T):
+            gas = cold + (heat(T) - heat(leaves)) / of_gas
+            step = 1e-4
+            capacity = (heat(T + step) - heat(T - step)) / (2.0 * step)
+            return exchange * (T - gas) / capacity
+
+        path = solve_ivp(
+            slope, (0.0, length), [leaves], "LSODA", rtol=1e-9, max_step=1e-3
+        )
+        return path.y[0, -1]
+
+    leaves = brentq(lambda T: entering(T) - hot, cold + 0.1, 560.0, xtol=1e-6)
+    assert found.qoi["T_solid_out_K"] == approx(leaves, abs=0.05)
+    gas = cold + (heat(hot) - heat(leaves)) / of_gas
+    assert found.qoi["T_fluid_out_K"] == approx(gas, abs=0.05)
 
 
 def test_temperatures_beyond_a_table_are_reported():
