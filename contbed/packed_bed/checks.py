@@ -66,7 +66,7 @@ from contbed.scene.series_checks import (
     output_times_lie_in_the_run,
     series_are_usable,
 )
-from contbed.scene.tables import Output
+from contbed.scene.tables import FieldOutput
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
 ENTERING = "temperature, or fixed_temperature"
@@ -221,7 +221,7 @@ def heat_alone_uses_temperatures(
 
 
 def profiles_lie_in_the_bed(
-    mesh: Mesh, output: Output, boundary: Boundaries, see: See
+    mesh: Mesh, output: FieldOutput, boundary: Boundaries, see: See
 ) -> Mistakes:
     """Check that the line of profiles lies within a built-in mesh."""
     axis = bed_axis(mesh, boundary)

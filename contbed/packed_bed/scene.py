@@ -47,11 +47,11 @@ from contbed.scene.quantities import (
 from contbed.scene.series import TemperatureOrProfile, VelocityOrSeries
 from contbed.scene.tables import (
     ConductivityOrClosure,
+    FieldOutput,
     FieldSolver,
     Named,
     NonNegativeOrClosure,
     NumberOrClosure,
-    Output,
     PermeabilityOrClosure,
     RunInTime,
     SceneBase,
@@ -372,7 +372,7 @@ class Scene(SceneBase):
     initial: Initial = Initial()
     time: Time | None = None
     solver: Solver = Solver()
-    output: Output = Output()
+    output: FieldOutput = FieldOutput()
 
     @property
     def solid(self) -> Solid:

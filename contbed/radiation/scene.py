@@ -24,7 +24,7 @@ from contbed.scene.quantities import (
     Whole,
 )
 from contbed.scene.solids import SolidPhase
-from contbed.scene.tables import FieldSolver, Output, SceneBase
+from contbed.scene.tables import FieldOutput, FieldSolver, SceneBase
 
 FEWEST, MOST = 4, 64  # ordinates in a hemisphere that are tried where none are given
 # in a medium that conducts, where each point answers to all others and the cost grows
@@ -184,4 +184,4 @@ class RadiationScene(SceneBase):
     boundary: dict[str, RadiatingBoundary] = Field(default_factory=dict)
     """radiative conditions by name of the boundary"""
     solver: FieldSolver = FieldSolver()
-    output: Output = Output()
+    output: FieldOutput = FieldOutput()

@@ -10,7 +10,7 @@ from typing import Any
 
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.mesh import REGION, SIDE, Mesh, MeshAxisymmetric, MeshFile, MeshLine
-from contbed.scene.tables import Output
+from contbed.scene.tables import FieldOutput, Output
 from contbed.scene.toml_lines import Origin
 
 
@@ -99,7 +99,7 @@ def positions_outside(output: Output, length: float, where: str) -> Mistakes:
 
 
 def the_line_of_profiles_fits_the_mesh(
-    mesh: Mesh, output: Output, see: See
+    mesh: Mesh, output: FieldOutput, see: See
 ) -> Mistakes:
     """Find coordinates of output.across that are too many, too few, or outside of a
     built-in mesh.
@@ -116,7 +116,7 @@ def positions_along(mesh: Mesh, output: Output, see: See, axis: int) -> Mistakes
     yield from positions_outside(output, extent, see(key))
 
 
-def places_across(mesh: Mesh, output: Output, see: See, axis: int) -> Mistakes:
+def places_across(mesh: Mesh, output: FieldOutput, see: See, axis: int) -> Mistakes:
     """Find coordinates of output.across that do not fit across an axis."""
     if output.across is None:
         return

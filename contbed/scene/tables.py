@@ -164,15 +164,20 @@ class Output(Table):
 
     positions: tuple[Position, ...] = ()
     """profile positions along the axis; automatic if empty"""
-    across: tuple[Position, ...] | None = None
-    """other coordinates of the line of profiles; absent: the middle, or a line inside
-    of the mesh"""
     profiles: Switch = True
     """profiles.csv, which sweeps of many scenes may not need"""
     fields: Switch = True
     """write fields for ParaView (.vtu)"""
     plots: Switch = True
     """draw plots (.png)"""
+
+
+class FieldOutput(Output):
+    """What a run on a mesh of any dimension writes besides summary.json."""
+
+    across: tuple[Position, ...] | None = None
+    """other coordinates of the line of profiles; absent: the middle, or a line inside
+    of the mesh"""
 
 
 class SceneBase(Table):
