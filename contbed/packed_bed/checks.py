@@ -49,7 +49,7 @@ from contbed.radiation.thickness import (
     rosseland_rests,
     two_flux_is_low,
 )
-from contbed.scene.boundary import conditions_of
+from contbed.scene.boundary import FLUXES, conditions_of
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.gas import Gas, GasCantera, GasConstant, GasCoolProp
 from contbed.scene.mesh import SIDE, Mesh, MeshFile, MeshLine
@@ -528,6 +528,38 @@ def the_side_of_a_line_passes_heat(mesh: Mesh, boundary: Boundaries) -> Mistakes
                 )
 
 
+def phases_conduct_what_they_get(
+    mesh: Mesh,
+    closures: s.Closures,
+    boundary: Boundaries,
+    solids: Mapping[str, s.Solid],
+    radiation: Radiation | None,
+) -> Mistakes:
+    """Check that heat enters no phase through a boundary from which that phase cannot
+    conduct it.
+    """
+    if closures.tortuosity is not None:
+        return
+    insulators = set()
+    if closures.conductivity_gas == 0.0 and closures.dispersion is None:
+        insulators.add("gas")
+    if closures.conductivity_solids == 0.0 and radiation is None:
+        insulators.update(solids)
+    for path, phase, condition in conditions_of(boundary):
+        if isinstance(mesh, MeshLine) and path[1] == SIDE:
+            continue
+        for key in FLUXES:
+            if phase in insulators and getattr(condition, key) is not None:
+                other = next(iter(solids)) if phase == "gas" else "gas"
+                table = f"solids.{other}" if phase == "gas" else other
+                yield (
+                    (*path, key),
+                    f"{phase} does not conduct heat away from '{path[1]}', as its "
+                    "conductivity in [closures] is 0; give "
+                    f"boundary.{path[1]}.{table}.{key}",
+                )
+
+
 def closures_exist(
     mesh: Mesh,
     closures: s.Closures,
@@ -580,6 +612,7 @@ CHECKS: tuple[Check, ...] = (
     the_inside_of_particles_fits_the_scene,
     a_cycle_changes_something,
     the_side_of_a_line_passes_heat,
+    phases_conduct_what_they_get,
     closures_exist,
 )
 

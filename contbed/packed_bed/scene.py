@@ -173,7 +173,8 @@ class PhaseCondition(ThermalCondition):
         """Whether a steady temperature is determined by this condition; a heat flux
         alone leaves it open.
         """
-        return self.exchanges_heat and self.heat_flux is None
+        temperatures = (self.temperature, self.fixed_temperature)
+        return self.meets_surroundings or any(T is not None for T in temperatures)
 
     @property
     def linear(self) -> bool:

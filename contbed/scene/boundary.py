@@ -12,12 +12,13 @@ from contbed.scene.series import HeatFluxOrSeries, TemperatureOrSeries
 from contbed.scene.tables import WallCoefficientOrClosure
 from contbed.scene.toml_lines import KeyPath
 
-THERMAL = ("temperature", "fixed_temperature", "heat_flux", "coefficient", "emissivity")
+TEMPERATURES = ("temperature", "fixed_temperature")
+FLUXES = ("heat_flux", "coefficient", "emissivity")
 
 
 class ThermalCondition(Table):
-    """Thermal condition of one phase on one boundary: at most one of the five; none
-    is adiabatic.
+    """Thermal condition of one phase on one boundary: a temperature, or fluxes, which
+    add up; none is adiabatic.
     """
 
     temperature: TemperatureOrSeries | None = None
@@ -36,22 +37,29 @@ class ThermalCondition(Table):
     """temperature of the surroundings"""
 
     @model_validator(mode="after")
-    def _at_most_one(self) -> ThermalCondition:
-        given = [name for name in THERMAL if getattr(self, name) is not None]
-        if len(given) > 1:
+    def _temperature_or_fluxes(self) -> ThermalCondition:
+        given = [
+            key for key in (*TEMPERATURES, *FLUXES) if getattr(self, key) is not None
+        ]
+        if len(given) > 1 and not set(given) <= set(FLUXES):
             raise ValueError(
-                f"give one of {', '.join(THERMAL)}; found {', '.join(given)}"
+                f"{', '.join(given)}: give a temperature alone, or any of "
+                f"{', '.join(FLUXES)}, which add up"
             )
-        needs_ambient = given in (["coefficient"], ["emissivity"])
-        if needs_ambient != (self.ambient is not None):
-            name = given[0] if needs_ambient else "coefficient or emissivity"
-            raise ValueError(f"{name} and ambient belong together")
+        if self.meets_surroundings != (self.ambient is not None):
+            raise ValueError("ambient belongs to coefficient and emissivity")
         return self
 
     @property
+    def meets_surroundings(self) -> bool:
+        """Whether heat depends on the temperature of the surroundings."""
+        return self.coefficient is not None or self.emissivity is not None
+
+    @property
     def exchanges_heat(self) -> bool:
-        """Whether one of the five is given."""
-        return any(getattr(self, name) is not None for name in THERMAL)
+        """Whether a temperature or a flux is given."""
+        keys = (*TEMPERATURES, *FLUXES)
+        return any(getattr(self, key) is not None for key in keys)
 
 
 class WallHeat(Table):

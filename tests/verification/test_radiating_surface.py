@@ -1,5 +1,5 @@
 """A boundary whose surface radiates to surroundings: `emissivity` and `ambient` of a
-phase.
+phase, alone or beside a wall coefficient and a heat flux.
 """
 
 from __future__ import annotations
@@ -111,6 +111,44 @@ def test_conduction_to_a_radiating_end_is_exact(name):
         -section * k * (HOT - end) / LENGTH, rel=1e-8
     )
     assert_closed(result, 1e-10, "energy")
+
+
+def test_flux_coefficient_and_emissivity_add_up():
+    """k (T - T0)/L = q + h (Ta - T) + e sigma (Ta^4 - T^4) at the end: 1e-9 by
+    Newton.
+    """
+    mesh, sides, _ = MESHES["line"]
+    values = scene(mesh, sides)
+    surface = values["boundary"][sides[1]]["solids"]["particles"]
+    flux, coefficient = 2e4, 15.0
+    surface |= {"heat_flux": flux, "coefficient": coefficient}
+    k = (1.0 - EPS) * K_SOLID
+
+    def missing(T):
+        convection = coefficient * (COLD - T)
+        radiation = EMISSIVITY * SIGMA * (COLD**4 - T**4)
+        return flux + convection + radiation - k * (T - HOT) / LENGTH
+
+    end = brentq(missing, COLD, HOT, xtol=1e-12)
+    result = cb.run(from_dict(values))
+    assert result.profiles["T_solid [K]"][-1] == approx(end, rel=1e-9)
+    assert_closed(result, 1e-10, "energy")
+
+
+@pytest.mark.parametrize("phase", ["gas", "particles"])
+@pytest.mark.parametrize("key", ["heat_flux", "coefficient", "emissivity"])
+def test_heat_into_a_phase_that_does_not_conduct_is_refused(phase, key):
+    """The result would depend on the size of the cells."""
+    mesh, (low, high), _ = MESHES["plane"]
+    values = scene(mesh, (low, high))
+    given = {key: 0.5} | ({} if key == "heat_flux" else {"ambient": COLD})
+    values["boundary"][high] = (
+        {"gas": given} if phase == "gas" else {"solids": {"particles": given}}
+    )
+    conductivity = "conductivity_gas" if phase == "gas" else "conductivity_solids"
+    values["closures"][conductivity] = 0.0
+    other = "solids.particles" if phase == "gas" else "gas"
+    refused(f"give boundary.{high}.{other}.{key}", from_dict, values)
 
 
 def test_small_emissivity_is_adiabatic():
