@@ -290,7 +290,7 @@ def converge(
 ) -> None:
     """Refine the mesh of a scene step by step.
 
-    Prints error or difference, observed order and time of each level.
+    Prints the difference from the level before, observed order and time of each level.
     """
     from contbed.many.converge import converge as study
 

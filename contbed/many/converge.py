@@ -1,4 +1,4 @@
-"""Mesh convergence of one scene: error or difference, observed order and wall time on a
+"""Mesh convergence of one scene: difference, observed order and wall time on a
 sequence of meshes.
 
     contbed converge scene.toml --levels 5
@@ -6,15 +6,14 @@ sequence of meshes.
 Every level halves the cells of the one before. Prescribed cells are doubled in number;
 the grading of an automatic mesh starts at its coarsest and is refined uniformly, so
 that the first levels already show the order and not the tolerance of the scene. The
-error is the largest one of the profiles along the bed: against the closed form where
-one is given, else the difference between successive levels at the points of the first
-one. Time steps stay as the scene has them.
+error is the largest difference of the profiles along the bed between successive levels,
+at the points of the first one. Time steps stay as the scene has them.
 """
 
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,7 +32,6 @@ from contbed.scene.tables import SceneBase
 
 TIME = header("t")
 LEAST_SCALE = 1e-9  # of a column; fractions below are what rounding leaves of a species
-Profile = Callable[[Any], dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -51,13 +49,10 @@ class Level:
 
 @dataclass(frozen=True)
 class Convergence:
-    """All levels, and what the error is: `measure` for people, `exact` whether it is
-    one against a closed form.
-    """
+    """All levels, and what the error is, for people."""
 
     levels: tuple[Level, ...]
     measure: str
-    exact: bool
 
     def __str__(self) -> str:
         rows = [("h [m]", "unknowns", "error", "order", "wall [s]")]
@@ -85,13 +80,11 @@ def converge(
     out: str | Path | None = None,
     trust: bool = False,
     allow_large: bool = False,
-    exact: Profile | None = None,
 ) -> Convergence:
     """Solve a scene on `levels` meshes; writes convergence.csv and convergence.png into
     `out`.
 
-    `trust` and `allow_large` are those of `contbed.loading.load`; `exact` is a closed
-    form, from positions [m] to columns of the profile by header.
+    `trust` and `allow_large` are those of `contbed.loading.load`.
 
     Raises
     ------
@@ -115,14 +108,9 @@ def converge(
         result = run(_at_level(scene, first, k, points))
         wall = clock.perf_counter() - start
         coordinate, columns = _compared(result.profiles)
-        error = float("nan")
-        if exact is not None:
-            error = _distance(columns, exact(coordinate))
-        else:
-            points = points or tuple(np.unique(coordinate))
-            if before is not None:
-                error = _distance(columns, before)
-            before = columns
+        points = points or tuple(np.unique(coordinate))
+        error = float("nan") if before is None else _distance(columns, before)
+        before = columns
         h = _cell_size(result.plan)
         order = (
             float(np.log(rows[-1].error / error) / np.log(rows[-1].h / h))
@@ -130,13 +118,9 @@ def converge(
             else float("nan")
         )
         rows.append(Level(h, sum(result.plan.unknowns().values()), error, order, wall))
-    what = (
-        "error against the closed form"
-        if exact is not None
-        else "difference from the level before"
-    )
     names = ", ".join(name.split(" [")[0] for name in columns)
-    found = Convergence(tuple(rows), f"largest {what}: {names}", exact is not None)
+    measure = f"largest difference from the level before: {names}"
+    found = Convergence(tuple(rows), measure)
     if out is not None:
         _write(found, Path(out), first.title)
     return found
@@ -222,6 +206,6 @@ def _write(found: Convergence, out: Path, title: str) -> None:
 
     columns = found.columns()
     write_table(out / "convergence.csv", columns)
-    label = "largest error" if found.exact else "difference between levels"
+    label = "difference between levels"
     curve = {label: (columns["h [m]"], columns["error [1]"])}
     error_plot(out / "convergence.png", curve, "cell size [m]", label, title)
