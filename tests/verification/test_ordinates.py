@@ -15,7 +15,7 @@ import contbed as cb
 from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
 from contbed.loading import from_dict
-from contbed.radiation.equations.ordinates import Ordinates, Wall, solve_ordinates
+from contbed.radiation.equations.ordinates import Ordinates, Wall
 from studies._exact.radiation import (
     TWO_FLUX,
     equilibrium_flux,
@@ -24,6 +24,7 @@ from studies._exact.radiation import (
 )
 from studies._exact.transport import Equilibrium, half_space_emittance, slab_emittance
 from tests.scene_text import scene_of
+from tests.verification.one_emission import solve_ordinates
 
 HOT, COLD = Wall(1.0), Wall(0.0)
 

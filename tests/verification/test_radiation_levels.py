@@ -14,7 +14,7 @@ from pytest import approx
 import contbed as cb
 from contbed.closures.optics import SIGMA
 from contbed.loading import from_dict
-from contbed.radiation.equations.ordinates import Wall, solve_ordinates
+from contbed.radiation.equations.ordinates import Wall
 from contbed.radiation.ordinates import OrdinatesProblem
 from contbed.radiation.thickness import estimate
 from studies._exact.conduction_radiation import conduction_diffusion
@@ -23,6 +23,7 @@ from tests.balances import assert_closed
 from tests.cases import each_case
 from tests.refusals import refused
 from tests.scene_text import scene_of, set_keys
+from tests.verification.one_emission import solve_ordinates
 
 DIFFUSION = {"two_flux": TWO_FLUX, "p1": P1}
 LEVELS = ("two_flux", "p1", "ordinates")

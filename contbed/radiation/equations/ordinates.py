@@ -339,26 +339,6 @@ class Ordinates:
         return self.mu * (4.0 * radiosity - u)
 
 
-def solve_ordinates(
-    z: ArrayLike,
-    Ka: Coefficient,
-    Ks: Coefficient,
-    emission: Coefficient | None,
-    left: Wall | None,
-    right: Wall | None,
-    order: int = 4,
-    degree: int = 2,
-) -> OrdinatesSolution:
-    """Return the field of one emission [W/m3]; None means radiative equilibrium, 4
-    e = Ka G.
-
-    Other arguments are those of `Ordinates`.
-    """
-    return Ordinates(
-        z, Ka, Ks, left, right, order, degree, equilibrium=emission is None
-    ).solve(emission)
-
-
 class _Element:
     """Lagrange polynomials at Lobatto points of 0 ... 1, and their integrals over
     cells with coefficients.
