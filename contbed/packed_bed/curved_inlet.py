@@ -15,15 +15,14 @@ from contbed.packed_bed.equations import porous_flow
 PARALLEL = 1e-9  # a wall counts as parallel to a direction below this sine
 
 
-def inward_normals(system: System, name: str) -> tuple[Integers, Array]:
-    """Return the numbers of the unknowns of the velocity on a boundary (dim, n), and
-    the inward unit normals there: of each node the mean of the facets around it.
+def inward_normals(system: System, facets: Integers) -> tuple[Integers, Array]:
+    """Return the numbers of the unknowns of the velocity on facets (dim, n), and the
+    inward unit normals there: of each node the mean of the facets around it.
     """
     mesh, space = system.mesh, system.fields["u"][0]
-    facets = mesh.boundaries[name]
     nodes = space.on_facets(facets)
     normals = np.zeros((mesh.dim(), len(nodes)))
-    for facet, normal in zip(facets, _outward(mesh, facets), strict=True):
+    for facet, normal in zip(facets, outward_normals(mesh, facets), strict=True):
         places = np.searchsorted(nodes, space.on_facets(np.array([facet])))
         normals[:, places] -= normal[:, None]
     numbers = np.array([nodes + system.offset["u", k] for k in range(mesh.dim())])
@@ -48,11 +47,17 @@ def turn_along(
     """Turn velocities at nodes of inlets on walls along these, which nothing crosses;
     return whether any crossed.
     """
-    crossed = False
-    entering = [system.nodes("u", system.mesh.boundaries[name]) for name in inlets]
+    crossed, mesh = False, system.mesh
+    entering = [mesh.boundaries[name] for name in inlets]
+    if not entering:
+        return False
+    inlet = np.concatenate(entering)
+    nodes, corners = system.nodes("u", inlet), np.unique(mesh.facets[:, inlet])
     for name in walls:
-        numbers, normals = inward_normals(system, name)
-        shared = np.isin(numbers[0], np.concatenate([[], *entering]))
+        facets = mesh.boundaries[name]
+        beside = np.isin(mesh.facets[:, facets], corners).any(axis=0)
+        numbers, normals = inward_normals(system, facets[beside])
+        shared = np.isin(numbers[0], nodes)
         numbers, normals = numbers[:, shared], normals[:, shared]
         across = np.sum(velocities[numbers] * normals, axis=0)
         speeds = np.linalg.norm(velocities[numbers], axis=0)
@@ -62,14 +67,16 @@ def turn_along(
     return crossed
 
 
-def _outward(mesh: Any, facets: Any) -> Array:
+def outward_normals(mesh: Any, facets: Integers) -> Array:
     """Return the outward normals of facets times their size, one a row."""
     corners = mesh.p[:, mesh.facets[:, facets]]
-    first, second = corners[:, 0], corners[:, 1]
-    along = second - first
-    normals = np.array([along[1], -along[0]])
-    if mesh.dim() == 3:
-        normals = np.cross(along, corners[:, 2] - first, axis=0)
+    first = corners[:, 0]
+    along = corners[:, -1] - first
+    normals = np.ones_like(first)
+    if mesh.dim() == 2:
+        normals = np.array([along[1], -along[0]])
+    elif mesh.dim() == 3:
+        normals = np.cross(along, corners[:, 1] - first, axis=0)
     cells = mesh.t[:, mesh.f2t[0, facets]]
     inside = mesh.p[:, cells].mean(axis=1) - first
     sign = np.where(np.sum(inside * normals, axis=0) > 0.0, -1.0, 1.0)

@@ -19,6 +19,7 @@ from contbed.packed_bed.curved_inlet import (
     PARALLEL,
     inward_normals,
     mean_speed,
+    outward_normals,
     turn_along,
 )
 from contbed.packed_bed.equations import porous_flow
@@ -90,11 +91,9 @@ def constant_normal(mesh: Mesh, boundary: str) -> Any:
 
 
 def _normals(mesh: Mesh, boundary: str) -> Any:
-    """Return the outward unit normals at all points of a boundary, one a row."""
-    parts = System(mesh.skfem, {}, 2).boundary(boundary)
-    return np.concatenate(
-        [np.array([n.ravel() for n in part.n.items]).T for part in parts]
-    )
+    """Return the outward unit normals of the facets of a boundary, one a row."""
+    normals = outward_normals(mesh.skfem, mesh.skfem.boundaries[boundary])
+    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
 def is_across(mesh: Mesh, boundary: str, direction: Any) -> bool:
@@ -236,7 +235,7 @@ def flow_equations(
     for kind, names in of_kind.items():
         for name in names:
             if kind == "inlet" and curved:
-                numbers, normals = inward_normals(system, name)
+                numbers, normals = inward_normals(system, mesh.skfem.boundaries[name])
                 velocities[numbers] = normals
                 continue
             facets = mesh.skfem.boundaries[name]
