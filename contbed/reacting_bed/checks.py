@@ -61,6 +61,7 @@ from contbed.scene.units import (
     number_and_unit,
 )
 
+MOST_OF_A_DUCT = 8  # rings; a step of 16 takes two minutes and 11 GB
 LARGEST_CAPACITY = 4000.0  # of a solid [J/kg/K]; lithium has 3600, wood 2500
 
 
@@ -438,8 +439,23 @@ def heat_capacities_are_of_moles(solids: Mapping[str, s.Solid]) -> Mistakes:
                 )
 
 
+def ducts_are_affordable(packed_bed: s.PackedBed) -> Mistakes:
+    """Look for a duct of so many columns that a step takes minutes."""
+    section = packed_bed.section
+    if section is None or section.shape != "duct" or section.rings <= MOST_OF_A_DUCT:
+        return
+    share = (section.rings / MOST_OF_A_DUCT) ** 4
+    yield (
+        ("packed_bed", "section", "rings"),
+        f"a quarter of a duct has {section.rings**2} columns, whose equations take "
+        f"{share:.2g} times the memory of rings = {MOST_OF_A_DUCT}, and minutes a "
+        "step; contbed plan shows the memory",
+    )
+
+
 WARNINGS: tuple[Check, ...] = (
     the_gas_conducts_once,
+    ducts_are_affordable,
     initial_profiles_reach_both_ends,
     heat_capacities_are_of_moles,
 )

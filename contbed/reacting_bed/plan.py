@@ -66,7 +66,8 @@ class Plan:
         """Choice of the linear solver, which is that of bands."""
         from contbed.solvers.linear import Policy
 
-        return Policy(1)
+        system = self.problem.system
+        return Policy(1, block=system.size // system.line.cells)
 
     def unknowns(self) -> dict[str, int]:
         """Return the number of unknowns on the first cells."""

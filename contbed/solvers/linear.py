@@ -61,7 +61,8 @@ class Policy:
 
     A factorisation that is predicted to need more than `limit_GB` is refused. `order`
     is the order of elimination; `multigrid` says whether all unknowns diffuse, and
-    `vertices` then returns their interpolation from vertices.
+    `vertices` then returns their interpolation from vertices. `block` is the number of
+    unknowns of a cell of a line whose matrix is of full blocks.
     """
 
     dimension: int
@@ -69,6 +70,7 @@ class Policy:
     order: Any = None
     multigrid: bool = False
     vertices: Callable[[], Vertices] | None = None
+    block: int = 0
 
     def direct(self, size: int) -> bool:
         """Return whether systems of this size are factored."""
@@ -83,10 +85,12 @@ class Policy:
             kB per unknown while
         the matrix is assembled, 2.2 GB for the factors of 68000 unknowns, growing as
         n^(4/3), and 5 kB per unknown for incomplete factors and the vectors of GMRES;
-        10 kB in all with multigrid.
+        10 kB in all with multigrid. The three blocks of each cell of a line are there
+        twice, as added and in the order of factors: 11 GB for 73,728 unknowns in blocks
+        of 3072.
         """
         if self.dimension == 1:
-            return 4e-7 * size
+            return max(4e-7, 6 * 8e-9 * self.block) * size
         if self.dimension == 2:
             return 5e-6 * size
         if self.multigrid and not self.direct(size):

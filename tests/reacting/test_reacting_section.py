@@ -540,3 +540,16 @@ def test_plan_tells_whether_one_dimension_is_enough():
 @each_case(__file__, "mistakes")
 def test_mistakes(said, changes, without):
     refused(said, from_dict, changed(heated(4), changes, without))
+
+
+def test_many_columns_of_a_duct_are_dear():
+    """Fields of 16 x 16 columns in one dense block; 8 x 8 are not warned of."""
+    scene = from_dict(heated(16, "duct"))
+    assert any("256 columns" in text for text in scene.warnings)
+    assert not any("columns" in w for w in from_dict(heated(8, "duct")).warnings)
+    planned = plan(scene)
+    line = planned.problem.system.line
+    size = planned.unknowns()["bed"]
+    assert planned.policy.block * line.cells == size
+    fields = planned.problem.system.m
+    assert fields % 256 == 0 and planned.policy.block == fields * (line.degree + 1)
