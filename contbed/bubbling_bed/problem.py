@@ -42,7 +42,7 @@ MISSED = 0.01
 # shares of u_mf over which the excess of gas bends, one after another
 ROUNDED = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003)
 # relative step from which a residual of rounding does not count as converged: see
-# `_newton`
+# `solve_near`
 FAR_STEP = 1e-5
 # steps in time, none longer than one before, after which closures have no steady state
 # or none is found
@@ -262,7 +262,7 @@ class BubblingProblem:
         """
         history: list[float] = []
         failed: list[Array] = []
-        for way in (self._newton, self._unbent, self._marched):
+        for way in (self.solve_near, self._unbent, self._marched):
             if way == self._marched and any(
                 not temperatures(self, x) and fluidization(self, x) for x in failed
             ):
@@ -297,7 +297,7 @@ class BubblingProblem:
         try:
             for self.c.computed.smoothed in (*ROUNDED, SMOOTHED):
                 self._forget()
-                x, steps = self._newton(x)
+                x, steps = self.solve_near(x)
                 history += steps
         finally:
             self.c.computed.smoothed = SMOOTHED
@@ -309,7 +309,7 @@ class BubblingProblem:
         steps = PseudoSteps()
         if self.c.computed is not None:
             steps = PseudoSteps(patience=PATIENCE, iterations=MAX_ITERATIONS)
-        return self._newton(
+        return self.solve_near(
             relax(self, x, self.plan.policy, self.lower, steps, watch=self.watch)
         )
 
@@ -343,7 +343,10 @@ class BubblingProblem:
                 self.system.part(x, name)[:] = value
         return x
 
-    def _newton(self, x: Array) -> tuple[Array, list[float]]:
+    def solve_near(self, x: Array) -> tuple[Array, list[float]]:
+        """Solve by Newton's method alone, from temperatures and other unknowns near by;
+        return the unknowns and the history.
+        """
         _, matrix = self.steady(x, True)
         options = Options.of(
             self.plan.scene,

@@ -29,6 +29,7 @@ from contbed.bubbling_bed.plan import BubblingPlan, coefficients, line
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.errors import ConvergenceError
 from contbed.result import Result
+from contbed.solvers.continuation import from_easier
 
 CHANGE = 1e-9  # relative, of sizes and height, below which the bed has settled
 ROUNDS = 60
@@ -51,9 +52,15 @@ def settle(
     """
     for _ in range(ROUNDS):
         scene, change = settled(problem, state, result)
-        watch, problem = problem.watch, stretched(problem.plan, scene)
+        watch, before = problem.watch, problem
+        problem = stretched(before.plan, scene)
         problem.watch = watch
-        state, history = problem.solve_from(problem.unknowns(state))
+        x = before.unknowns(state)
+        try:
+            state, history = problem.solve_from(x)
+        except ConvergenceError as error:
+            x = _followed(before, x, scene, error)
+            state, history = problem.solve_from(x)
         result.history += history[1:]
         if change < CHANGE:
             return problem, state
@@ -64,6 +71,31 @@ def settle(
         result.history,
         state,
     )
+
+
+def _followed(
+    problem: BubblingProblem, x: Any, scene: Any, failure: ConvergenceError
+) -> Any:
+    """Return unknowns of a scene whose height is far from that of a problem, followed
+    from the unknowns of that over heights between both.
+
+    Raises
+    ------
+    ConvergenceError : the `failure` of the whole step, where they cannot be followed
+    """
+    old, bed = problem.plan.scene.bubbling_bed.height, scene.bubbling_bed
+
+    def at(left: float, near: Any) -> Any:
+        height = bed.height + left * (old - bed.height)
+        between = bed.model_copy(update={"height": height})
+        changed = scene.model_copy(update={"bubbling_bed": between})
+        changed._origin = scene.origin
+        return stretched(problem.plan, changed).solve_near(near)[0]
+
+    try:
+        return from_easier(at, x)
+    except ConvergenceError:
+        raise failure from None
 
 
 def stretched(

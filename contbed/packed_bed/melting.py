@@ -11,13 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from contbed.errors import ConvergenceError
 from contbed.materials.curve import LatentHeat
-
-# of the way, by the logarithm of the width
-FIRST_STEP = 0.25
-SHORTEST_STEP = 2.0**-8
-GROWTH = 1.5
+from contbed.solvers.continuation import from_easier
 
 
 def narrowed(
@@ -40,22 +35,13 @@ def narrowed(
     ConvergenceError : the state cannot be followed
     """
     given = latent.start, latent.end
-    left, step = 1.0, FIRST_STEP
+
+    def at(left: float, state: Any) -> Any:
+        latent.spread = _between(given, span, left)
+        return solve(state)
+
     try:
-        latent.spread = span
-        state = solve(start)
-        while left > 0.0:
-            wanted = max(left - step, 0.0)
-            latent.spread = _between(given, span, wanted)
-            try:
-                state = solve(state)
-            except ConvergenceError:
-                step /= 2.0
-                if step < SHORTEST_STEP:
-                    raise
-                continue
-            left, step = wanted, GROWTH * step
-        return state
+        return from_easier(at, start)
     finally:
         latent.spread = None
 

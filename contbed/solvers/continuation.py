@@ -1,5 +1,5 @@
 """Steady states that Newton does not reach from a cold start: implicit Euler steps
-of growing size.
+of growing size, and the way from an easier problem.
 """
 
 from __future__ import annotations
@@ -16,6 +16,10 @@ from contbed.solvers.newton import Options, newton
 
 GROWTH = 4.0
 MAX_STEPS = 200
+# on the way from an easier problem
+FIRST_SHARE = 0.25
+LEAST_SHARE = 2.0**-8
+LONGER = 1.5
 
 
 class Problem(Protocol):
@@ -116,3 +120,30 @@ def relax(
         f"{longest:.3g} s"
     )
     raise ConvergenceError(message, history, state)
+
+
+def from_easier(solve: Callable[[float, Any], Any], start: Any) -> Any:
+    """Return the state of a problem, followed from that of an easier one.
+
+    Parameters
+    ----------
+    solve : finds a state from one near by, for the share of the way that is left: 1 is
+        the easier problem, 0 the one that is meant
+    start : state where the easier problem begins
+
+    Raises
+    ------
+    ConvergenceError : a state is not found, however short the step
+    """
+    state, left, step = solve(1.0, start), 1.0, FIRST_SHARE
+    while left > 0.0:
+        wanted = max(left - step, 0.0)
+        try:
+            state = solve(wanted, state)
+        except ConvergenceError:
+            step /= 2.0
+            if step < LEAST_SHARE:
+                raise
+            continue
+        left, step = wanted, LONGER * step
+    return state

@@ -92,7 +92,7 @@ def resolved(result):
     # temperatures start anew; flows and sizes are frozen with the coefficients
     for name in problem.c.streams:
         problem.system.part(x, name)[:] = result.plan.scene.initial.temperature
-    found, _ = other._newton(x)
+    found, _ = other.solve_near(x)
     return max(
         float(
             np.abs(

@@ -75,7 +75,7 @@ def test_rounded_edges_are_recorded_anew(smoothed: float) -> None:
             seen.append(problem.c.computed.smoothed)
         return x, []
 
-    problem._newton = newton  # type: ignore[method-assign]
+    problem.solve_near = newton  # type: ignore[method-assign]
     problem._unbent(problem.unknowns(random_state(problem, 1)))
     assert seen == [smoothed, 1e-3]
     compare(problem, random_state(problem, 0))

@@ -13,7 +13,7 @@ from contbed.errors import ConvergenceError
 from contbed.loading import from_dict
 from tests.balances import assert_closed
 from tests.refusals import refused
-from tests.scene_text import set_keys
+from tests.scene_text import scene_of, set_keys
 
 SAND = {"diameters": [1e-4, 2e-4, 5e-4, 1e-3], "feed": [0.1, 0.2, 0.4, 0.3]}
 
@@ -136,3 +136,45 @@ def test_tubes_that_do_not_fit_are_told():
     }
     (text,) = hot(freeboard=above).warnings
     assert "freeboard.tubes.perimeter" in text
+
+
+def test_a_bed_of_igniting_bubbles_that_expands_far_is_followed_in_height():
+    """Its height nearly triples, which one step of Newton's method does not survive:
+    gas in bubbles ignites at another place.
+    """
+    scene = scene_of(
+        """
+        [bubbling_bed]
+        settled_height = 0.4
+        section = 4
+        solids_fraction = 0.56
+        bubbles = {}
+        tubes = { perimeter = 6, coefficient = 280, temperature = 573.15 }
+        [gas]
+        composition = "C3H8:0.03, O2:0.2037, N2:0.7663"
+        [boundary.bottom]
+        gas = { mass_flow = 2.5, temperature = 293.15 }
+        [solids.sand]
+        diameter = 1.1e-3
+        density = 2600
+        heat_capacity = 1100
+        nusselt = "gunn"
+        mixing_conductivity = 1e5
+        [reactions.burn]
+        equation = "C3H8 + 5 O2 -> 3 CO2 + 4 H2O"
+        rate = "k*exp(-E/(R*T))*c_C3H8"
+        parameters = { k = 1e7, E = 1e5 }
+        basis = "gas"
+        """
+    )
+    result = cb.run(from_dict(scene))
+    z, T = result.profiles["z [m]"], result.profiles["T_sand [K]"]
+    solids = 1.0 - result.profiles["delta [1]"]
+    assert np.trapezoid(solids, z) == approx(0.4, rel=1e-3)
+    # 85.3 mol/s with 2.559 mol/s of propane, lower heating value 2043 kJ/mol; mean heat
+    # capacities of the products from 293 to 1444 K [J/mol/K]; the gas of the bubbles
+    # leaves 31 K hotter than the sand, which is 2 % of the heat
+    heat = 2.559 * 2043e3
+    gas = 7.68 * 50.9 + 10.24 * 39.8 + 4.58 * 33.6 + 65.37 * 31.8
+    tubes = 6.0 * 280.0 * np.trapezoid(T - 573.15, z)
+    assert tubes + gas * (T.mean() - 293.15) == approx(heat, rel=0.03)
