@@ -14,16 +14,14 @@ while it is in the cache: rows of later blocks do not look back at it.
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
 from contbed.compiled import barrier
 from contbed.compiled.barrier import Crew, finish, take, wait
-from contbed.compiled.functions import entry, inner
+from contbed.compiled.functions import digest, entry, inner, tied
 from contbed.dem import (
     contact,
     contact_heat,
@@ -167,172 +165,151 @@ def _culprit(culprits: Indices) -> int:
     return -1
 
 
-def _step_kernel(stamp: int) -> Callable[..., Outcome]:
-    """Compile the steps, cached on disk for this content of its files: numba itself
-    watches one of them.
-    """
-
-    @entry(cache=True, nogil=True)
-    def take_steps(
-        crew: Crew,
-        side: Side,
-        laws: Laws,
-        interval: Interval,
-        sums: Sums,
-        blocks: Blocks,
-    ) -> Outcome:
-        """Take the steps of an interval, up to its end or until the list is too old."""
-        batch = empty_batch()
-        pieces = len(blocks.largest)
-        moved = interval.moved
-        done = min(stamp, 0)
-        begun = interval.begun
-        while done < interval.steps:
-            if not begun:
-                # the first half of the first step; each later one is taken with the
-                # second half of the step before
-                if done == 0:
-                    piece = take(crew)
-                    while piece < pieces:
-                        _advance(piece, side, sums, interval, np.int64(BEGIN), blocks)
-                        piece = take(crew)
-                    finish(crew, pieces)
-                culprit = _culprit(blocks.culprit)
-                if culprit >= 0:
-                    return Outcome(TOO_FAST, culprit, done, moved)
-                moved += np.sqrt(blocks.largest.max()) * interval.time_step
-                if moved > interval.enough:
-                    wait(crew)
-                    piece = take(crew)
-                    while piece < pieces:
-                        _measure_move(
-                            piece,
-                            side.bodies.position,
-                            side.pairs.listed,
-                            blocks.largest,
-                        )
-                        piece = take(crew)
-                    finish(crew, pieces)
-                    moved = float(np.sqrt(blocks.largest.max()))
-                if moved > interval.enough:
-                    return Outcome(LIST_IS_OLD, -1, done, moved)
-            begun = False
-            phase = GO_ON if done < interval.steps - 1 else END
-            now = float(interval.first + done + 1)
-            stages = 1 if crew.size == 1 else 2
-            for stage in range(stages):
+@entry(cache=True, nogil=True)
+def take_steps(
+    crew: Crew,
+    side: Side,
+    laws: Laws,
+    interval: Interval,
+    sums: Sums,
+    blocks: Blocks,
+) -> Outcome:
+    """Take the steps of an interval, up to its end or until the list is too old."""
+    batch = empty_batch()
+    pieces = len(blocks.largest)
+    moved = interval.moved
+    done = 0
+    begun = interval.begun
+    while done < interval.steps:
+        if not begun:
+            # the first half of the first step; each later one is taken with the
+            # second half of the step before
+            if done == 0:
                 piece = take(crew)
                 while piece < pieces:
-                    if stage == 0:
-                        pair_forces(
-                            piece, side, sums, laws, now, interval.time_step, batch
-                        )
-                        add_wall_forces(
-                            piece, side, sums, laws, now, interval.time_step
-                        )
-                    if stage == stages - 1:
-                        _advance(piece, side, sums, interval, phase, blocks)
+                    _advance(piece, side, sums, interval, np.int64(BEGIN), blocks)
                     piece = take(crew)
                 finish(crew, pieces)
-            done += 1
-        return Outcome(OK, -1, done, moved)
+            culprit = _culprit(blocks.culprit)
+            if culprit >= 0:
+                return Outcome(TOO_FAST, culprit, done, moved)
+            moved += np.sqrt(blocks.largest.max()) * interval.time_step
+            if moved > interval.enough:
+                wait(crew)
+                piece = take(crew)
+                while piece < pieces:
+                    _measure_move(
+                        piece,
+                        side.bodies.position,
+                        side.pairs.listed,
+                        blocks.largest,
+                    )
+                    piece = take(crew)
+                finish(crew, pieces)
+                moved = float(np.sqrt(blocks.largest.max()))
+            if moved > interval.enough:
+                return Outcome(LIST_IS_OLD, -1, done, moved)
+        begun = False
+        phase = GO_ON if done < interval.steps - 1 else END
+        now = float(interval.first + done + 1)
+        stages = 1 if crew.size == 1 else 2
+        for stage in range(stages):
+            piece = take(crew)
+            while piece < pieces:
+                if stage == 0:
+                    pair_forces(piece, side, sums, laws, now, interval.time_step, batch)
+                    add_wall_forces(piece, side, sums, laws, now, interval.time_step)
+                if stage == stages - 1:
+                    _advance(piece, side, sums, interval, phase, blocks)
+                piece = take(crew)
+            finish(crew, pieces)
+        done += 1
+    return Outcome(OK, -1, done, moved)
 
-    return cast("Callable[..., Outcome]", take_steps)
 
-
-def _list_kernel(stamp: int) -> Callable[..., Outcome]:
-    """Compile what makes a list, cached on disk like the steps."""
-
-    @entry(cache=True, nogil=True)
-    def make_list(
-        crew: Crew,
-        old: Side,
-        new: Side,
-        walls: Table,
-        box: Box,
-        skin: float,
-        room: Room,
-    ) -> Outcome:
-        """Sort the particles and list pairs and near walls anew on the side `new`."""
-        blocks = room.blocks
-        sorting = room.sorting
-        n = max(len(old.bodies.position), min(stamp, 0))
-        pieces = len(blocks.largest)
-        widest = (
-            old.spheres.radius[0] if old.spheres.equal else old.spheres.radius.max()
+@entry(cache=True, nogil=True)
+def make_list(
+    crew: Crew,
+    old: Side,
+    new: Side,
+    walls: Table,
+    box: Box,
+    skin: float,
+    room: Room,
+) -> Outcome:
+    """Sort the particles and list pairs and near walls anew on the side `new`."""
+    blocks = room.blocks
+    sorting = room.sorting
+    n = len(old.bodies.position)
+    pieces = len(blocks.largest)
+    widest = old.spheres.radius[0] if old.spheres.equal else old.spheres.radius.max()
+    piece = take(crew)
+    while piece < pieces:
+        wrap(piece, old.bodies.position, box, blocks.culprit, blocks.extent)
+        piece = take(crew)
+    finish(crew, pieces)
+    lost = _culprit(blocks.culprit)
+    if lost >= 0:
+        return Outcome(LOST, lost, 0, 0.0)
+    cells = cells_around(blocks.extent, box, 2.0 * widest + skin, n)
+    piece = take(crew)
+    while piece < pieces:
+        find_cells(piece, old.bodies.position, cells, sorting.cell)
+        piece = take(crew)
+    finish(crew, pieces)
+    if crew.number == 0:
+        sort(sorting, cells)
+    wait(crew)
+    piece = take(crew)
+    while piece < pieces:
+        reorder(piece, old, new, sorting.order)
+        piece = take(crew)
+    finish(crew, pieces)
+    x, radius = new.bodies.position, new.spheres.radius
+    piece = take(crew)
+    while piece < pieces:
+        needed = find_pairs(
+            piece, x, radius, new.pairs, cells, sorting.first, box, skin
+        )
+        blocks.needed[piece, 0], blocks.needed[piece, 1] = needed
+        blocks.needed[piece, 2], blocks.culprit[piece] = find_near_walls(
+            piece, x, radius, new.near, walls, skin
         )
         piece = take(crew)
-        while piece < pieces:
-            wrap(piece, old.bodies.position, box, blocks.culprit, blocks.extent)
-            piece = take(crew)
-        finish(crew, pieces)
-        lost = _culprit(blocks.culprit)
-        if lost >= 0:
-            return Outcome(LOST, lost, 0, 0.0)
-        cells = cells_around(blocks.extent, box, 2.0 * widest + skin, n)
+    finish(crew, pieces)
+    lost = _culprit(blocks.culprit)
+    if lost >= 0:
+        return Outcome(BEYOND_WALL, int(np.int64(sorting.order[lost])), 0, 0.0)
+    for piece in range(pieces):
+        enough = (
+            blocks.needed[piece, 0] <= new.pairs.room[0]
+            and blocks.needed[piece, 1] <= new.pairs.room[1]
+        )
+        if not enough or blocks.needed[piece, 2] > len(new.near.wall) // pieces:
+            return Outcome(TOO_SMALL, -1, 0, 0.0)
+    if crew.number == 0:
+        find_incoming(new.pairs, room.crossing)
+    piece = take(crew)
+    while piece < pieces:
+        carry_pairs(piece, old.pairs, new.pairs, sorting.place)
+        carry_walls(piece, old.near, new.near, sorting.place)
         piece = take(crew)
-        while piece < pieces:
-            find_cells(piece, old.bodies.position, cells, sorting.cell)
-            piece = take(crew)
-        finish(crew, pieces)
-        if crew.number == 0:
-            sort(sorting, cells)
-        wait(crew)
-        piece = take(crew)
-        while piece < pieces:
-            reorder(piece, old, new, sorting.order)
-            piece = take(crew)
-        finish(crew, pieces)
-        x, radius = new.bodies.position, new.spheres.radius
-        piece = take(crew)
-        while piece < pieces:
-            needed = find_pairs(
-                piece, x, radius, new.pairs, cells, sorting.first, box, skin
-            )
-            blocks.needed[piece, 0], blocks.needed[piece, 1] = needed
-            blocks.needed[piece, 2], blocks.culprit[piece] = find_near_walls(
-                piece, x, radius, new.near, walls, skin
-            )
-            piece = take(crew)
-        finish(crew, pieces)
-        lost = _culprit(blocks.culprit)
-        if lost >= 0:
-            return Outcome(BEYOND_WALL, int(np.int64(sorting.order[lost])), 0, 0.0)
-        for piece in range(pieces):
-            enough = (
-                blocks.needed[piece, 0] <= new.pairs.room[0]
-                and blocks.needed[piece, 1] <= new.pairs.room[1]
-            )
-            if not enough or blocks.needed[piece, 2] > len(new.near.wall) // pieces:
-                return Outcome(TOO_SMALL, -1, 0, 0.0)
-        if crew.number == 0:
-            find_incoming(new.pairs, room.crossing)
-        piece = take(crew)
-        while piece < pieces:
-            carry_pairs(piece, old.pairs, new.pairs, sorting.place)
-            carry_walls(piece, old.near, new.near, sorting.place)
-            piece = take(crew)
-        finish(crew, pieces)
-        return Outcome(OK, -1, 0, 0.0)
-
-    return cast("Callable[..., Outcome]", make_list)
+    finish(crew, pieces)
+    return Outcome(OK, -1, 0, 0.0)
 
 
-def _content() -> int:
-    modules = (
-        barrier,
-        contact,
-        contact_heat,
-        forces,
-        heat_impact,
-        kernel_arrays,
-        neighbours,
-        ordering,
-        wall_forces,
-    )
-    return zlib.crc32(
-        b"".join(Path(str(module.__file__)).read_bytes() for module in modules)
-    )
-
-
-take_steps, make_list = _step_kernel(_content()), _list_kernel(_content())
+# numba itself watches the file of a kernel alone, not those of what it calls
+_called = (
+    barrier,
+    contact,
+    contact_heat,
+    forces,
+    heat_impact,
+    kernel_arrays,
+    neighbours,
+    ordering,
+    wall_forces,
+)
+_content = digest(Path(str(module.__file__)) for module in _called)
+for _kernel in (take_steps, make_list):
+    tied(_kernel, _content)

@@ -20,12 +20,12 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from contbed.compiled.interrupts import deferred_interrupt
 from contbed.errors import ContbedError
 from contbed.ranks import dolfinx
 
@@ -68,7 +68,7 @@ class RankGroup:
         """Run `function(ranks, root, *arguments)` on all ranks; only rank 0 calls
         this and has `root`.
         """
-        with _uninterrupted():
+        with deferred_interrupt():
             released = self.released[:]
             del self.released[: len(released)]
             if self.comm.size > 1:
@@ -254,21 +254,3 @@ class RootRankError(ContbedError):
     def __init__(self, message: str, exit_code: int):
         super().__init__(message)
         self.exit_code = exit_code
-
-
-@contextmanager
-def _uninterrupted() -> Iterator[None]:
-    """Delay Ctrl-C until all ranks have finished a distributed function."""
-    try:
-        before = signal.getsignal(signal.SIGINT)
-        seen: list[Any] = []
-        signal.signal(signal.SIGINT, lambda *arguments: seen.append(arguments))
-    except ValueError:  # only the main thread may
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-    if seen and callable(before):
-        before(*seen[0])

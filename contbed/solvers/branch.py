@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from contbed.errors import ConvergenceError
 from contbed.solvers.continuation import unwatched
@@ -33,8 +34,7 @@ MIN_STEP = 1e-7  # step below which the branch is given up
 # step, of a distance in which the whole span of the parameter counts as one
 MAX_STEP = 0.1
 FIRST_STEP = 0.02
-MAX_FOLD_STEPS = 30  # steps at most that look for a fold
-FOLD_TOLERANCE = 1e-9  # share of the span within which a fold is found
+FOLD_TOLERANCE = 1e-9  # distance along the branch within which a fold is found
 
 
 @dataclass
@@ -161,25 +161,12 @@ class _Continuation:
         raise ConvergenceError(f"branch: a step of {s:.2g} does not converge", [], x)
 
     def fold(self, a: _Point, length: float) -> _Point:
-        """Find the fold between `a` and the point `length` further, where t_p = 0,
-        by regula falsi.
-        """
-        low, high = (0.0, a.tangent[1]), (length, self.step(a, length)[0].tangent[1])
-        point = a
-        for _ in range(MAX_FOLD_STEPS):
-            s = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
-            s = min(
-                max(s, low[0] + 0.05 * (high[0] - low[0])),
-                high[0] - 0.05 * (high[0] - low[0]),
-            )
-            point = self.step(a, s)[0]
-            if abs(point.tangent[1]) * (high[0] - low[0]) < FOLD_TOLERANCE * self.span:
-                break
-            if point.tangent[1] * a.tangent[1] > 0:
-                low = (s, point.tangent[1])
-            else:
-                high = (s, point.tangent[1])
-        return point
+        """Find the fold between `a` and the point `length` further, where t_p = 0."""
+
+        def direction(s: float) -> float:
+            return self.step(a, s)[0].tangent[1] if s > 0.0 else a.tangent[1]
+
+        return self.step(a, brentq(direction, 0.0, length, xtol=FOLD_TOLERANCE))[0]
 
 
 @dataclass(frozen=True)

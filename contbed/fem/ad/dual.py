@@ -46,8 +46,6 @@ _BINARY: dict[np.ufunc, Callable[[Array, Array, Array], tuple[Array, Array]]] = 
     np.minimum: lambda a, b, f: (1.0 * (a <= b), 1.0 * (a > b)),
 }
 
-# what operators of dual numbers take without numpy's protocol
-_CONSTANTS = {float, int, np.float64, np.ndarray}
 _NONE: dict[Slot, Array] = {}  # derivatives of a constant
 _COMPARISONS = {
     np.less,
@@ -72,34 +70,6 @@ def _combine(parts: list[tuple[dict[Slot, Array], Array]]) -> dict[Slot, Array]:
     return total
 
 
-def _operator(
-    ufunc: np.ufunc, name: str, is_second: bool = False
-) -> Callable[[Any, Any], Any]:
-    """Return an operator of two dual numbers, or of one and a number or array: as by
-    numpy's protocol, but faster.
-    """
-    by_protocol, rule = getattr(NDArrayOperatorsMixin, name), _BINARY[ufunc]
-
-    def operate(self: Dual, other: Any) -> Any:
-        kind = type(other)
-        if kind in _CONSTANTS:
-            value, tangents = other, _NONE
-        elif issubclass(kind, Dual):
-            value, tangents = other.value, other.tangents
-        else:
-            return by_protocol(self, other)
-        first, of_first, second, of_second = self.value, self.tangents, value, tangents
-        if is_second:
-            first, of_first, second, of_second = value, tangents, first, of_first
-        result = ufunc(first, second)
-        if not of_first and not of_second:
-            return Dual(result, {})
-        by_first, by_second = rule(first, second, result)
-        return Dual(result, _combine([(of_first, by_first), (of_second, by_second)]))
-
-    return operate
-
-
 class Dual(NDArrayOperatorsMixin):
     """A value at all quadrature points with its derivative to each slot it depends
     on.
@@ -110,15 +80,6 @@ class Dual(NDArrayOperatorsMixin):
     def __init__(self, value: Array, tangents: dict[Slot, Array]):
         self.value = value
         self.tangents = tangents
-
-    __add__ = _operator(np.add, "__add__")
-    __radd__ = _operator(np.add, "__radd__", True)
-    __sub__ = _operator(np.subtract, "__sub__")
-    __rsub__ = _operator(np.subtract, "__rsub__", True)
-    __mul__ = _operator(np.multiply, "__mul__")
-    __rmul__ = _operator(np.multiply, "__rmul__", True)
-    __truediv__ = _operator(np.divide, "__truediv__")
-    __rtruediv__ = _operator(np.divide, "__rtruediv__", True)
 
     def apply(
         self, f: Callable[[Array], Array], derivative: Callable[[Array], Array]
