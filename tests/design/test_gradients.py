@@ -155,7 +155,7 @@ def test_pressure_drop_by_its_closed_form():
     found = gradient_of(
         result, ["pressure_drop_Pa", *OUT], ["mesh.length", "gas.viscosity"]
     )
-    # plug flow relative to the bed: mu/K (u - phi u_s) L + quadratic drag
+    # plug flow relative to the particles: (mu/K w + quadratic drag) L
     drop = result.qoi["pressure_drop_Pa"]
     assert found.derivatives[0, 0] == approx(drop / 0.04, rel=1e-8)
     assert found.logarithmic[0, 0] == approx(1.0, rel=1e-8)
