@@ -11,7 +11,7 @@ import numpy as np
 from contbed.arrays import Array
 from contbed.fields import FIELDS, labelled, name_of, unit_in
 from contbed.output.colours import COLOURS
-from contbed.output.plots import plain_ticks, shown_range, styled_figure
+from contbed.output.plots import shown_range, styled_figure
 from contbed.output.tables import evenly
 
 # colour and dashes of a phase; the fluid is dashed so that the solid shows through
@@ -55,7 +55,6 @@ def draw(figure: Any, panels: Panels, x_label: str, across: int = 1) -> None:
         margin = 0.05 * (high - low)
         axes.set(ylim=(low - margin, high + margin), ylabel=label)
         axes.margins(x=0)
-        plain_ticks(axes)
         if any(curve.name for curve in curves):
             axes.legend(fontsize=8, ncols=1 + (len(curves) > 6))
     for axes in every[: len(panels)][-across:]:

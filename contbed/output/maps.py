@@ -15,7 +15,7 @@ from contbed.fem.elements import Space
 from contbed.fields import FIELDS
 from contbed.output.curves import groups_of, profile_plot, transient_plot
 from contbed.output.nearest import Nearest
-from contbed.output.plots import WIDTH, plain_ticks, shown_range, styled_figure
+from contbed.output.plots import WIDTH, shown_range, styled_figure
 from contbed.output.vtu import TRIANGLES, at_nodes
 
 if TYPE_CHECKING:
@@ -207,7 +207,6 @@ def _panels(
             panel.locator_params(axis="y", nbins=5)
             # numbers of a narrow map would collide
             panel.locator_params(axis="x", nbins=4 if ratio > 0.6 else 1)
-            plain_ticks(panel)
         for panel in panels[-columns:]:
             panel.set_xlabel(FIELDS[axes[0]].label)
         for panel in panels[::columns]:

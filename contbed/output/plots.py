@@ -86,21 +86,6 @@ def _matplotlib() -> Any:
     return matplotlib
 
 
-def plain_ticks(axes: Any) -> None:
-    """Write the numbers at the ticks as text; as formulas, which a power of ten
-    needs, each takes 5 ms to set.
-    """
-    from matplotlib.ticker import ScalarFormatter
-
-    class Plain(ScalarFormatter):
-        def __call__(self, x: float, pos: int | None = None) -> str:
-            formula = super().__call__(x, pos)
-            return formula.removeprefix("$\\mathdefault{").removesuffix("}$")
-
-    axes.xaxis.set_major_formatter(Plain())
-    axes.yaxis.set_major_formatter(Plain())
-
-
 def shown_range(values: Sequence[Array]) -> tuple[float, float]:
     """Return the range of values, widened for a field that is constant except for
     solver noise.

@@ -24,7 +24,7 @@ from contbed import fields
 from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.fem.elements import Space
 from contbed.loading import loads
-from contbed.output import checkpoint, curves, maps, plots, progress, summary
+from contbed.output import checkpoint, curves, maps, progress, summary
 from contbed.output.files import atomic
 from contbed.output.progress import Progress
 from contbed.output.tables import read_table, write_table
@@ -191,26 +191,6 @@ def test_vtu_blocks_that_are_full(tmp_path):
         # what VTK allocates; it counts a last block that is full as 0
         size = (count - (last > 0)) * full + last
         assert size == wanted[array.get("Name")] and last < full == 32768
-
-
-def test_ticks_are_text_and_powers_of_ten_formulas(tmp_path, monkeypatch):
-    seen = []
-    plain_ticks = plots.plain_ticks
-    monkeypatch.setattr(
-        curves, "plain_ticks", lambda axes: seen.append(axes) or plain_ticks(axes)
-    )
-    columns = {"x [m]": np.array([-1.0, 1.0]), "p [Pa]": np.array([0.0, 3e7])}
-    curves.profile_plot(tmp_path / "a.png", columns, "x [m]")
-    across, up = seen[0].xaxis, seen[0].yaxis
-    assert (
-        next(text.get_text() for text in across.get_ticklabels())
-        == "\N{MINUS SIGN}1.00"
-    )
-    assert all(
-        text.get_text().replace("\N{MINUS SIGN}", "").replace(".", "").isdigit()
-        for text in up.get_ticklabels()
-    )
-    assert "10^{7}" in up.get_major_formatter().get_offset()
 
 
 def test_vtu_regions(tmp_path):
