@@ -258,7 +258,8 @@ class Time(RunInTime):
     """A transient run; absent means steady."""
 
     tolerance: Fraction = 1e-4
-    """local error over typical sizes of the fields, of an order below"""
+    """local error over typical sizes of the fields, of an order below; that of a trace
+    gas is ten times its largest fraction"""
 
 
 class Solver(NewtonSolver):
