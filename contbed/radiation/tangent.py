@@ -18,20 +18,18 @@ from contbed.radiation.results import fill
 from contbed.radiation.run import problem_of
 from contbed.radiation.scene import RadiationScene
 from contbed.result import Result
-from contbed.solvers.tangent import STEP, Response, with_prescribed
+from contbed.solvers.tangent import Response, with_prescribed
+from contbed.solvers.tangent import Tangent as SteadyTangent
 
 OTHER = "a small change adds or removes a surface or a field"
 
 
-class Tangent:
+class Tangent(SteadyTangent):
     """A solved medium and the factors of its Jacobian."""
-
-    step = STEP
-    method = "tangent"
 
     def __init__(self, result: Result):
         self.plan: Any = result.plan
-        self.line, self.problem, self.state = (
+        self.line, self.problem, self.x = (
             result.solved.line,
             result.solved.problem,
             result.solved.state,
@@ -40,7 +38,7 @@ class Tangent:
     @cached_property
     def response(self) -> Response:
         """The factors, found when they are first needed."""
-        _, matrix = self.problem.assemble(self.state, True)
+        _, matrix = self.problem.assemble(self.x, True)
         return Response(
             matrix, self.problem.fixed, self.problem.system.ordered(self.plan.policy)
         )
@@ -64,7 +62,7 @@ class Tangent:
             if not same or problem.system.size != self.problem.system.size:
                 raise UnlikeError(OTHER)
         starts = [
-            with_prescribed(self.state, problem.fixed, problem.fixed_values)
+            with_prescribed(self.x, problem.fixed, problem.fixed_values)
             for problem in problems
         ]
         sides = [problem.assemble for problem in problems]

@@ -315,13 +315,9 @@ def test_errors(change, message):
         solve_ordinates(**(given | change))
 
 
-def test_errors_of_walls_and_modes():
+def test_errors_of_walls():
     with pytest.raises(ValueError, match="emissivity"):
         Wall(1.0, 1.2)
-    with pytest.raises(ValueError, match="equilibrium"):
-        Ordinates([0.0, 1.0], 1.0, 0.0, HOT, COLD).solve()
-    with pytest.raises(ValueError, match="equilibrium"):
-        Ordinates([0.0, 1.0], 1.0, 0.0, HOT, COLD, equilibrium=True).solve(1.0)
 
 
 @pytest.mark.parametrize("tau", [0.02, 0.5, 3.0])

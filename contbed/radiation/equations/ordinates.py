@@ -95,8 +95,8 @@ class Ordinates:
     left, right : walls at z[0] and z[-1]; None is a plane of symmetry
     order : directions per half range, >= 1
     degree : of the elements; at the nodes u_j and q converge with twice this order
-    equilibrium : if true, the medium emits what it absorbs, 4 e = Ka G, at every point,
-        and `solve` takes no emission
+
+    A medium that emits what it absorbs scatters evenly: its absorption is part of Ks.
     """
 
     def __init__(
@@ -108,7 +108,6 @@ class Ordinates:
         right: Wall | None,
         order: int = 4,
         degree: int = 2,
-        equilibrium: bool = False,
     ):
         self.z = np.asarray(z, dtype=float)
         self.width = np.diff(self.z)
@@ -136,12 +135,9 @@ class Ordinates:
                 "ordinates: need Ka >= 0, Ks >= 0 and Ka + Ks > 0 everywhere between "
                 "the walls"
             )
-        self.equilibrium = equilibrium
         self.stiffness = self.element.stiffness(self.width, 1.0 / extinction)
         self.removal = self.element.mass(self.width, extinction)
-        self.absorption = self.element.mass(
-            self.width, 0.0 if equilibrium else absorption
-        )
+        self.absorption = self.element.mass(self.width, absorption)
         self.walls = {0: left, len(self.points) - 1: right}
         if not self.absorption.any() and not any(
             wall and wall.emissivity for wall in (left, right)
@@ -152,20 +148,13 @@ class Ordinates:
             )
         self.inverse = self._factorised()
 
-    def solve(self, emission: Coefficient | None = None) -> OrdinatesSolution:
+    def solve(self, emission: Coefficient) -> OrdinatesSolution:
         """Return the field of an emission e = sum_m Ka,m sigma T_m^4 [W/m3], given
         in any of the ways of Ka.
         """
-        if (emission is None) != self.equilibrium:
-            raise ValueError(
-                "ordinates: give an emission, or build the bed with equilibrium=True; "
-                "not both"
-            )
-        load = np.zeros((len(self.width), self.element.degree + 1))
-        if emission is not None:
-            load = 4.0 * self.element.load(
-                self.width, self._at_quadrature(emission, "emission")
-            )
+        load = 4.0 * self.element.load(
+            self.width, self._at_quadrature(emission, "emission")
+        )
         u = self._field(load)
         gain = self._gain(u, load).sum(axis=1)
         f = np.cumsum(np.vstack([self._entering(0, u[0]), gain]), axis=0)
