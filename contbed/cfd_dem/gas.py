@@ -36,7 +36,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contbed.arrays import Array
 from contbed.cfd_dem import kernels
@@ -116,9 +115,6 @@ class Gas:
         self.u, self.q, self.p = np.zeros(faces), np.zeros(faces), np.zeros(grid.cells)
         self.T, self.eps = np.full(grid.cells, float(T)), np.ones(grid.cells)
         self.mass, self.heat = self.density * self.open_volume, np.zeros(grid.cells)
-        # of memory that the system takes back the first use costs as much as the
-        # weights
-        self._room: tuple[NDArray[np.int32], Array] | None = None
         self.started = False
         self.sums = dict.fromkeys(
             ("mass_in", "mass_out", "heat_in", "heat_out", "gained"), 0.0
@@ -248,7 +244,8 @@ class Gas:
         """Return the gas around each particle."""
         where, share, inside = self.grid.shares(bed.x, bed.radius)
         eps = kernels.gather(where, share, self.eps)
-        slip = kernels.gather(*self._weights(bed), self.q) - eps[:, None] * bed.v
+        faces, weight = self.grid.weights(bed.x)
+        slip = kernels.gather(faces, weight, self.q) - eps[:, None] * bed.v
         return self._local(where, share, inside, eps, slip, 2.0 * bed.radius)
 
     def state(self) -> dict[str, Array]:
@@ -272,7 +269,7 @@ class Gas:
     def _locate(self, bed: Motion) -> Places:
         """Find the cells and faces around each particle, and the porosities."""
         where, share, inside = self.grid.shares(bed.x, bed.radius)
-        faces, weight = self._weights(bed)
+        faces, weight = self.grid.weights(bed.x)
         volume = bed.volume * inside
         eps, eps_at = self._porosity(volume, where, share)
         solid = kernels.scatter(faces, weight, volume, len(self.u))
@@ -288,13 +285,6 @@ class Gas:
             solid,
             self._face_porosity(solid, eps),
         )
-
-    def _weights(self, bed: Motion) -> tuple[NDArray[np.int32], Array]:
-        """Find the faces around each particle and its weights on them, which hold
-        until they are asked for again.
-        """
-        self._room = self.grid.weights(bed.x, self._room)
-        return self._room
 
     def _set_inlet_velocity(self, eps_face: Array) -> Array:
         """Set the velocities at the inlet from the mass flux; return the density on

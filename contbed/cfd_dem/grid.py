@@ -172,19 +172,23 @@ class Grid:
         )
         return out
 
-    def weights(
-        self, x: Array, room: tuple[NDArray[np.int32], Array] | None = None
-    ) -> tuple[NDArray[np.int32], Array]:
+    def weights(self, x: Array) -> tuple[NDArray[np.int32], Array]:
         """Find the faces (n, 3, 8) across x, y, z around each point, and its weights
-        on them, in `room` if given.
+        on them.
         """
         shape = len(x), 3, 8
-        if room is None or room[0].shape != shape:
-            room = np.empty(shape, np.int32), np.empty(shape)
+        faces, weight = np.empty(shape, np.int32), np.empty(shape)
         threads.parallel(
-            _face_weights, len(x), x, self._box, self.face_first, self.active, *room
+            _face_weights,
+            len(x),
+            x,
+            self._box,
+            self.face_first,
+            self.active,
+            faces,
+            weight,
         )
-        return room
+        return faces, weight
 
     def _connect(self) -> None:
         """Give the faces numbers, those across x first, and find what is beside each."""
