@@ -28,6 +28,7 @@ _STRINGS = [
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _SCALAR = re.compile(r"[^,\]}#\n]*")
 _LONGEST = 20_000_000  # bytes of a TOML file
+_TWICE = re.compile(r"Cannot declare \((.+)\) twice")
 _DUPLICATE = re.compile(r"Cannot (?:overwrite a value|mutate immutable namespace)")
 
 
@@ -189,9 +190,26 @@ def _syntax(message: str, text: str, name: str) -> str:
         message = message[: found.start()]
     if _DUPLICATE.match(message):
         message = "this key stands twice in its table"
+    if twice := _TWICE.match(message):
+        message = _table_twice(re.findall(r"'([^']*)'", twice[1]), text)
     return one_line(
         f"{name}:{line}: not valid TOML: {message[:1].lower()}{message[1:]}"
     )
+
+
+def _table_twice(path: list[str], text: str) -> str:
+    """Return what is wrong with the header of a table that tomllib has seen before: it
+    stands twice, or a table around it is written in braces, which are complete.
+    """
+    table = ".".join(path)
+    for count in range(1, len(path) + 1):
+        outer = ".".join(path[:count])
+        if re.search(rf"^\s*{re.escape(outer)}\s*=\s*{{", text, re.MULTILINE):
+            return (
+                f"{outer} = {{...}} is complete and [{table}] cannot add to it; write "
+                f"[{outer}] in place of the braces"
+            )
+    return f"the table [{table}] stands twice"
 
 
 class _Scanner:
