@@ -25,6 +25,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
+from contbed.errors import SceneError
+
 
 class Plan(Protocol):
     """The objects that a run builds before it solves."""
@@ -314,7 +316,17 @@ class Kind(Protocol):
 
 
 def model_of(scene: Kind) -> Model:
-    """Return the physics that a scene is for."""
+    """Return the physics that a scene is for.
+
+    Raises
+    ------
+    SceneError : a file or tables in place of a scene
+    """
+    if not hasattr(scene, "kind"):
+        text = f'"{scene}"' if isinstance(scene, str | Path) else "..."
+        raise SceneError(
+            f"not a scene, which contbed.load returns: contbed.run(contbed.load({text}))"
+        )
     return MODELS[scene.kind]
 
 

@@ -75,6 +75,7 @@ def run(
     ContbedError : a file cannot be written, after all others have been; another run is
         writing to `out`
     """
+    models.model_of(scene)
     with using(threads):
         chosen = engine_named(engine)
         return chosen.run(lambda: _run(scene, out, quiet, restart, chosen))

@@ -5,6 +5,8 @@ of scenes and their choices.
 from __future__ import annotations
 
 import ast
+import inspect
+import sys
 from collections.abc import Iterable, Mapping
 from functools import cache
 
@@ -141,6 +143,13 @@ def laws_by_name() -> dict[str, tuple[str, ...]]:
         for name, law in every().items()
         if law.equations and "." not in name
     }
+
+
+def text_of_law(name: str) -> str:
+    """Return what the module of a rate law says of it: equations and source."""
+    rate = every()[name].rate
+    home = getattr(rate, "func", rate).__module__
+    return inspect.cleandoc(sys.modules[home].__doc__ or "")
 
 
 def own_laws() -> dict[str, tuple[str, ...]]:

@@ -20,6 +20,7 @@ from contbed.explain.catalogue import (
     ordered,
     own_laws,
     schemas,
+    text_of_law,
 )
 from contbed.explain.closure_keys import closure_keys
 from contbed.explain.terms import TERMS
@@ -171,9 +172,11 @@ def _law_sheets(name: str) -> Iterator[str]:
         if name in of:
             yield "\n".join([f"{name} - rate law of {reaction}", *_law(of[name])])
     if equations := laws_by_name().get(name):
-        yield "\n    ".join([f"{name} - rate law", *equations])
+        head = "\n    ".join([f"{name} - rate law", *equations])
+        yield f"{head}\n\n{text_of_law(name)}"
     if needed := own_laws().get(name):
-        yield f"{name} - rate law, constants of the scene: [reactions.NAME] needs {', '.join(needed)}"
+        head = f"{name} - rate law, constants of the scene: [reactions.NAME] needs {', '.join(needed)}"
+        yield f"{head}\n\n{text_of_law(name)}"
 
 
 def _law(law: PowerLaw) -> list[str]:

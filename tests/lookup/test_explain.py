@@ -103,3 +103,10 @@ def test_a_result_of_a_pattern_is_explained_once():
     """Of the patterns T_NAME and T_PHASE_out_K the closer one."""
     assert explain("T_fluid_out_K").count("T_fluid_out_K") == 1
     assert "mean outlet temperature of a stream" in explain("T_fluid_out_K")
+
+
+def test_a_rate_law_shows_its_equation_and_source():
+    text = explain("shrinking_core")
+    assert "dX/dt = 3 q^2/(3 q^2 tau_film + 6 q (1 - q) tau_ash + tau_reaction)" in text
+    assert "Levenspiel" in text
+    assert "r2 = k2 (p_CO p_H2O" in explain("xu_froment_shift")

@@ -11,6 +11,7 @@ import pytest
 from small_scenes import STEADY
 
 import contbed
+from contbed.errors import SceneError
 
 LOOK = """
 import gc
@@ -51,3 +52,15 @@ def test_a_command_and_a_program(start, expected, tmp_path):
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         *("profiles.csv", "profiles.png", "fields.vtu", "summary.json")
     }
+
+
+def test_a_file_in_place_of_a_scene_is_told():
+    """Whoever gives the path to `run`, `plan` or `gradient` learns of `load`."""
+    for call in (
+        lambda: contbed.run("bed.toml"),
+        lambda: contbed.run(Path("bed.toml"), "results"),
+        lambda: contbed.plan("bed.toml"),
+        lambda: contbed.gradient("bed.toml", "T_fluid_out_K", "packed_bed.porosity"),
+    ):
+        with pytest.raises(SceneError, match=r'contbed\.load\("bed\.toml"\)'):
+            call()

@@ -110,6 +110,7 @@ def require_possible(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) 
     """Raise SceneError, before anything is solved, for a key without derivative or a
     name that no result has.
     """
+    model_of(scene)
     for name in keys:
         key(scene, name)
     require_known(qoi)
