@@ -277,7 +277,7 @@ def _liquid(
     if above > 0.0:
         # a little below, where CoolProp has properties
         highest = bisect(excess, lowest, highest, xtol=0.1 * ROUNDING) - ROUNDING
-        advice = f"{name} boils at {highest:.2f} K at {p:g} Pa; stay below it"
+        advice = f"{name} boils at {highest:.2f} K at {p:g} Pa; stay below it or raise the pressure"
     elif above > -p:
         advice = f"{name} does not boil at {p:g} Pa"
     else:

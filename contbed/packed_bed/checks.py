@@ -546,17 +546,17 @@ def phases_conduct_what_they_get(
     if closures.conductivity_solids == 0.0 and radiation is None:
         insulators.update(solids)
     for path, phase, condition in conditions_of(boundary):
-        if isinstance(mesh, MeshLine) and path[1] == SIDE:
+        beside = isinstance(mesh, MeshLine) and path[1] == SIDE
+        takers = {"gas", *solids} if boundary[str(path[1])].passes_heat else {phase}
+        if beside or not takers <= insulators:
             continue
         for key in FLUXES:
-            if phase in insulators and getattr(condition, key) is not None:
-                other = next(iter(solids)) if phase == "gas" else "gas"
-                table = f"solids.{other}" if phase == "gas" else other
+            if getattr(condition, key) is not None:
                 yield (
                     (*path, key),
-                    f"{phase} does not conduct heat away from '{path[1]}', as its "
-                    "conductivity in [closures] is 0; give "
-                    f"boundary.{path[1]}.{table}.{key}",
+                    f"{' and '.join(sorted(takers))}: the conductivity in [closures] "
+                    f"is 0, so that no heat passes '{path[1]}'; "
+                    f"boundary.{path[1]}.{key} gives it to all phases that conduct",
                 )
 
 

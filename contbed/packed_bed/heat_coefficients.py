@@ -58,7 +58,17 @@ class HeatCoefficients:
     def condition(self, boundary: str, phase: str) -> s.PhaseCondition | None:
         """Return the thermal condition of one phase on one boundary."""
         table = self.scene.boundary.get(boundary)
-        return None if table is None else table.thermal(phase)
+        if table is None or (self._is_side(boundary) and phase == "solid"):
+            return None
+        return table.thermal(phase)
+
+    def _is_side(self, boundary: str) -> bool:
+        """Whether a boundary is the side of a line, whose heat for the bed is that of
+        its gas, as in beds with reactions.
+        """
+        table = self.scene.boundary[boundary]
+        line = self.mesh.skfem.dim() == 1
+        return line and boundary == SIDE and table.passes_heat
 
     def _velocity(self, phase: str, where: Domain) -> Any:
         """Return the velocity of a phase, or of a gas that moves with the particles,
@@ -271,11 +281,28 @@ class HeatCoefficients:
             options["coefficient"] = lambda unknowns: self.medium.wall(
                 spec, unknowns.T_fluid, speed
             )
+        if self.scene.boundary[name].passes_heat and not self._is_side(name):
+            options["share"] = self._share_of_heat(phase, where)
         if condition.emissivity is not None:
             options["emission"] = condition.emissivity * SIGMA
         return two_energy.BoundaryTerms(
             f"T_{phase}", flux, material.enthalpy, **options
         )
+
+    def _share_of_heat(self, phase: str, where: Domain) -> Callable[[Any], Any]:
+        """Return the conductivity of a phase across the flow over that of the bed, as
+        a function of the unknowns.
+        """
+        medium = self.medium
+        spread = medium.dispersion(medium.T_fluid_in, self._speed(where))
+        across = 0.0 if spread is None else spread[1]
+
+        def share(unknowns: Any) -> Any:
+            gas = medium.conductivity("fluid", unknowns.T_fluid) + across
+            solid = medium.conductivity("solid", unknowns.T_solid)
+            return (gas if phase == "fluid" else solid) / (gas + solid)
+
+        return share
 
     def given(
         self, phase: str, condition: s.PhaseCondition, inflow: bool

@@ -198,7 +198,8 @@ Side = Annotated[
 class Boundary(WallHeat):
     """Conditions on one named boundary; what is absent is adiabatic, and a
     frictionless wall for the flow. `coefficient`, `ambient` and `heat_flux` are those
-    of the gas.
+    of the whole bed, whose phases share the heat as their conductivities; beside a
+    line those of the gas.
     """
 
     type: Side | None = None
@@ -211,20 +212,23 @@ class Boundary(WallHeat):
     """absent: a mirror"""
 
     @model_validator(mode="after")
-    def _gas_once(self) -> Boundary:
-        if self.gas is not None and self.passes_heat:
-            raise ValueError("give heat through the wall here or in gas, not in both")
+    def _heat_once(self) -> Boundary:
+        if self.passes_heat and (self.gas is not None or self.solids):
+            raise ValueError(
+                "give heat through the wall here, for the whole bed, or in gas and "
+                "solids.NAME, not in both"
+            )
         return self
 
     def condition(self, phase: str) -> PhaseCondition | None:
         """Return the table of a phase, "fluid" or "solid"; None if there is none."""
-        if phase == "solid":
-            return next(iter(self.solids.values()), None)
-        if not self.passes_heat:
+        if self.passes_heat:
+            keys = ("coefficient", "ambient", "heat_flux")
+            given = {key: getattr(self, key) for key in keys}
+            return PhaseCondition.model_construct(**given)
+        if phase == "fluid":
             return self.gas
-        keys = ("coefficient", "ambient", "heat_flux")
-        given = {key: getattr(self, key) for key in keys}
-        return PhaseCondition.model_construct(**given)
+        return next(iter(self.solids.values()), None)
 
     def thermal(self, phase: str) -> PhaseCondition | None:
         """Return the thermal condition of a phase, "fluid" or "solid"; None if it is
@@ -242,9 +246,9 @@ class Boundary(WallHeat):
         """Return the key of the table of a phase, "fluid" or "solid", below that of
         the boundary.
         """
-        if phase == "solid":
-            return ("solids", *list(self.solids)[:1])
-        return () if self.passes_heat else ("gas",)
+        if self.passes_heat:
+            return ()
+        return ("gas",) if phase == "fluid" else ("solids", *list(self.solids)[:1])
 
 
 class Release(Table):

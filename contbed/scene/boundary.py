@@ -63,7 +63,7 @@ class ThermalCondition(Table):
 
 
 class WallHeat(Table):
-    """Heat through a wall into the gas, or into the bed of one temperature."""
+    """Heat through a wall into the bed."""
 
     coefficient: WallCoefficientOrClosure | None = Field(
         None, json_schema_extra=takes("wall")

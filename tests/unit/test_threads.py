@@ -7,6 +7,7 @@ import os
 import signal
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -167,7 +168,7 @@ def test_a_run_is_allowed_its_threads(monkeypatch):
 
     seen = []
     monkeypatch.setattr(runner, "_run", lambda *_: seen.append(threads.count()))
-    runner.run(None, threads=3)
+    runner.run(SimpleNamespace(kind="packed_bed"), threads=3)
     assert seen == [3]
 
 

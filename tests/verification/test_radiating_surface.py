@@ -147,8 +147,46 @@ def test_heat_into_a_phase_that_does_not_conduct_is_refused(phase, key):
     )
     conductivity = "conductivity_gas" if phase == "gas" else "conductivity_solids"
     values["closures"][conductivity] = 0.0
-    other = "solids.particles" if phase == "gas" else "gas"
-    refused(f"give boundary.{high}.{other}.{key}", from_dict, values)
+    refused(f"boundary.{high}.{key} gives it to all phases", from_dict, values)
+
+
+@pytest.mark.parametrize("name", MESHES)
+@pytest.mark.parametrize("k_gas", [0.0, 0.3])
+def test_phases_share_the_heat_of_a_wall(name, k_gas):
+    """Two phases without exchange conduct from ends of one temperature to a wall that
+    gives a flux: both have the slope q/(k_gas + k_solid) of a bed of one temperature.
+    Newton: 1e-9.
+    """
+    mesh, (low, high), section = MESHES[name]
+    values = scene(mesh, (low, high))
+    values["closures"] |= {"conductivity_gas": k_gas, "conductivity_solids": K_SOLID}
+    end, flux = {"fixed_temperature": COLD}, 1500.0
+    solids = {"particles": end}
+    values["boundary"][low] = {"solids": solids} | ({"gas": end} if k_gas else {})
+    values["boundary"][high] = {"heat_flux": flux}
+    values["closures"]["nusselt"] = 0.0 if k_gas else 2.0
+    result = cb.run(from_dict(values))
+    T = COLD + flux * LENGTH / (k_gas + K_SOLID)
+    assert result.profiles["T_solid [K]"][-1] == approx(T, rel=1e-9)
+    if k_gas:
+        assert result.profiles["T_fluid [K]"][-1] == approx(T, rel=1e-9)
+    assert result.qoi[f"heat_{high}_W"] == approx(section * flux, rel=1e-9)
+    assert_closed(result, 1e-10, "energy")
+
+
+def test_no_phase_conducts_what_a_wall_gives():
+    mesh, (low, high), _ = MESHES["plane"]
+    values = scene(mesh, (low, high))
+    values["closures"] |= {"conductivity_gas": 0.0, "conductivity_solids": 0.0}
+    values["boundary"][high] = {"heat_flux": 10.0}
+    refused("gas and particles: the conductivity", from_dict, values)
+
+
+def test_heat_of_a_wall_stands_once():
+    mesh, (low, high), _ = MESHES["plane"]
+    values = scene(mesh, (low, high))
+    values["boundary"][high]["heat_flux"] = 10.0
+    refused("for the whole bed, or in gas and solids.NAME", from_dict, values)
 
 
 def test_small_emissivity_is_adiabatic():

@@ -239,6 +239,9 @@ class BoundaryTerms:
     coefficient: Any = None  # function of the unknowns [W/m2/K]
     ambient: float = 0.0  # [K]
     emission: float = 0.0  # emissivity times the Stefan-Boltzmann constant [W/m2/K4]
+    # what this phase takes of a heat that is given for the bed, as a function of the
+    # unknowns; None is all
+    share: Any = None
     # heat capacity as a function of T_solid [J/kg/K], of a mode in place of the
     # enthalpy
     capacity: Any = None
@@ -289,4 +292,4 @@ def supplied(unknowns: Any, c: BoundaryTerms, o: Any) -> Any:
         total = total + c.coefficient(unknowns) * (c.ambient - T)
     if c.emission:
         total = total + c.emission * (c.ambient**4 - T**4)
-    return total
+    return total if c.share is None else c.share(unknowns) * total
