@@ -536,28 +536,44 @@ def phases_conduct_what_they_get(
     radiation: Radiation | None,
 ) -> Mistakes:
     """Check that heat enters no phase through a boundary from which that phase cannot
-    conduct it.
+    conduct it: it would heat the cells at the boundary alone, whatever their size.
     """
-    if closures.tortuosity is not None:
-        return
-    insulators = set()
-    if closures.conductivity_gas == 0.0 and closures.dispersion is None:
-        insulators.add("gas")
-    if closures.conductivity_solids == 0.0 and radiation is None:
-        insulators.update(solids)
+    phases, insulators = {"gas", *solids}, _insulators(closures, solids, radiation)
     for path, phase, condition in conditions_of(boundary):
-        beside = isinstance(mesh, MeshLine) and path[1] == SIDE
-        takers = {"gas", *solids} if boundary[str(path[1])].passes_heat else {phase}
-        if beside or not takers <= insulators:
+        side = str(path[1])
+        takers = phases if boundary[side].passes_heat else {phase}
+        beside = isinstance(mesh, MeshLine) and side == SIDE
+        if beside or not takers <= set(insulators):
             continue
+        zero = sorted({f"{insulators[taker]} = 0" for taker in takers})
         for key in FLUXES:
-            if getattr(condition, key) is not None:
-                yield (
-                    (*path, key),
-                    f"{' and '.join(sorted(takers))}: the conductivity in [closures] "
-                    f"is 0, so that no heat passes '{path[1]}'; "
-                    f"boundary.{path[1]}.{key} gives it to all phases that conduct",
-                )
+            if not getattr(condition, key):
+                continue
+            remedy = "give a phase a conductivity"
+            if phases - set(insulators):
+                table = "gas" if phase != "gas" else f"solids.{next(iter(solids))}"
+                of_bed = key in s.Boundary.model_fields
+                remedy = f"give boundary.{side}{'' if of_bed else '.' + table}.{key}"
+            yield (
+                (*path, key),
+                f"no heat passes from '{side}' into the bed with "
+                f"{' and '.join(zero)}; {remedy}",
+            )
+
+
+def _insulators(
+    closures: s.Closures, solids: Mapping[str, s.Solid], radiation: Radiation | None
+) -> dict[str, str]:
+    """Return the phases that do not conduct, with the keys of their conductivities."""
+    if closures.tortuosity is not None:
+        return {}
+    found = {}
+    if closures.conductivity_gas == 0.0 and closures.dispersion is None:
+        found["gas"] = "closures.conductivity_gas"
+    as_conduction = radiation is not None and radiation.level == "rosseland"
+    if closures.conductivity_solids == 0.0 and not as_conduction:
+        found |= dict.fromkeys(solids, "closures.conductivity_solids")
+    return found
 
 
 def closures_exist(

@@ -46,8 +46,15 @@ class ThermalCondition(Table):
                 f"{', '.join(given)}: give a temperature alone, or any of "
                 f"{', '.join(FLUXES)}, which add up"
             )
-        if self.meets_surroundings != (self.ambient is not None):
-            raise ValueError("ambient belongs to coefficient and emissivity")
+        if self.meets_surroundings and self.ambient is None:
+            raise ValueError(
+                "ambient, the temperature of the surroundings, is missing beside "
+                "coefficient or emissivity"
+            )
+        if self.ambient is not None and not self.meets_surroundings:
+            raise ValueError(
+                "ambient alone passes no heat; give coefficient or emissivity as well"
+            )
         return self
 
     @property

@@ -29,6 +29,8 @@ BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _SCALAR = re.compile(r"[^,\]}#\n]*")
 _LONGEST = 20_000_000  # bytes of a TOML file
 _TWICE = re.compile(r"Cannot declare \((.+)\) twice")
+_HEADER = re.compile(r"\s*\[([\w.-]+)\]")
+_BRACES = re.compile(r"\s*([\w.-]+)\s*=\s*\{")
 _DUPLICATE = re.compile(r"Cannot (?:overwrite a value|mutate immutable namespace)")
 
 
@@ -201,14 +203,17 @@ def _table_twice(path: list[str], text: str) -> str:
     """Return what is wrong with the header of a table that tomllib has seen before: it
     stands twice, or a table around it is written in braces, which are complete.
     """
-    table = ".".join(path)
-    for count in range(1, len(path) + 1):
-        outer = ".".join(path[:count])
-        if re.search(rf"^\s*{re.escape(outer)}\s*=\s*{{", text, re.MULTILINE):
-            return (
-                f"{outer} = {{...}} is complete and [{table}] cannot add to it; write "
-                f"[{outer}] in place of the braces"
-            )
+    table, header = ".".join(path), ""
+    for line in text.splitlines():
+        if found := _HEADER.match(line):
+            header = f"{found[1]}."
+        elif found := _BRACES.match(line):
+            outer = header + found[1]
+            if f"{table}.".startswith(f"{outer}."):
+                return (
+                    f"{outer} = {{...}} is complete and [{table}] cannot add to it; "
+                    f"write [{outer}] in place of the braces"
+                )
     return f"the table [{table}] stands twice"
 
 

@@ -141,7 +141,7 @@ def from_easier(solve: Callable[[float, Any], Any], start: Any) -> Any:
         try:
             state = solve(wanted, state)
         except ConvergenceError:
-            step /= 2.0
+            step = 0.5 * (left - wanted)
             if step < LEAST_SHARE:
                 raise
             continue

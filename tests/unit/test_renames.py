@@ -2,14 +2,20 @@
 by its present name.
 """
 
+import re
+import tomllib
+from copy import deepcopy
 from typing import Any
 
 import pytest
 
+from contbed.loading import from_dict
 from contbed.models import MODELS
 from contbed.scene import schema
-from contbed.scene.renames import renamed, take_former_keys
+from contbed.scene.renames import NAME, renamed, take_former_keys
 from tests.cases import each_case
+from tests.refusals import refused
+from tests.scene_text import set_keys
 
 RENAMED = {
     "fluid": "gas",
@@ -40,6 +46,17 @@ def test_former_keys_are_taken_out_with_tables_that_become_empty() -> None:
     assert len(texts) == 4
     assert texts["flow", "velocity"] == RENAMED["flow.velocity"]
     assert values == {"boundary": {"left": {"gas": {"velocity": 1.0}}}}
+
+
+@pytest.mark.parametrize("kind", MODELS)
+def test_a_former_key_of_a_template_says_what_to_do(kind: str) -> None:
+    values = tomllib.loads(MODELS[kind].template.read_text(encoding="utf-8"))
+    values.pop("model", None)
+    for former, now in renamed(kind).items():
+        if " " in now and NAME not in former:
+            scene = deepcopy(values)
+            set_keys(scene, f"{former} = 1")
+            refused(re.escape(now), from_dict, scene)
 
 
 @pytest.mark.parametrize(

@@ -119,7 +119,6 @@ SLOW = {
             *around("time.longest", 0.01, 2.0),
             *around("time.first", 1e-5, 2.0),
             {"time.courant": 0.25},
-            {"time.order": 2},
             {"time.sample": "5 ms"},
         ),
     ),
