@@ -323,10 +323,10 @@ def model_of(scene: Kind) -> Model:
     SceneError : a file or tables in place of a scene
     """
     if not hasattr(scene, "kind"):
-        text = f'"{scene}"' if isinstance(scene, str | Path) else "..."
-        raise SceneError(
-            f"not a scene, which contbed.load returns: contbed.run(contbed.load({text}))"
-        )
+        maker = "contbed.loading.from_dict makes one of tables"
+        if isinstance(scene, str | Path):
+            maker = f'contbed.load("{scene}") makes one of a file'
+        raise SceneError(f"a scene is needed here; {maker}")
     return MODELS[scene.kind]
 
 
