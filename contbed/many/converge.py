@@ -6,7 +6,7 @@ sequence of meshes.
 Every level halves the cells of the one before. Prescribed cells are doubled in number;
 the grading of an automatic mesh starts at its coarsest and is refined uniformly, so
 that the first levels already show the order and not the tolerance of the scene. The
-error is the largest difference of the profiles along the bed between successive levels,
+difference is the largest one of the profiles along the bed between successive levels,
 at the points of the first one. Time steps stay as the scene has them.
 """
 
@@ -36,38 +36,46 @@ LEAST_SCALE = 1e-9  # of a column; fractions below are what rounding leaves of a
 
 @dataclass(frozen=True)
 class Level:
-    """One mesh: mean cell size [m], unknowns, error (nan where there is none),
+    """One mesh: mean cell size [m], unknowns, difference (nan on the first),
     observed order, wall time [s].
     """
 
     h: float
     unknowns: int
-    error: float
+    difference: float
     order: float
     wall: float
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """All levels, and what the error is, for people."""
+    """All levels, and of what the differences are, for people."""
 
     levels: tuple[Level, ...]
     measure: str
 
     def __str__(self) -> str:
-        rows = [("h [m]", "unknowns", "error", "order", "wall [s]")]
+        rows = [("h [m]", "unknowns", "difference", "order", "wall [s]")]
         for level in self.levels:
-            error, order = (
+            difference, order = (
                 "" if np.isnan(value) else format(value, form)
-                for value, form in ((level.error, ".3e"), (level.order, ".2f"))
+                for value, form in ((level.difference, ".3e"), (level.order, ".2f"))
             )
             wall = f"{level.wall:.3f}"
-            rows.append((f"{level.h:.4e}", str(level.unknowns), error, order, wall))
+            rows.append(
+                (f"{level.h:.4e}", str(level.unknowns), difference, order, wall)
+            )
         return "\n".join([self.measure, *aligned(rows, left=())])
 
     def columns(self) -> dict[str, list[float]]:
         """Return the table by header."""
-        units = {"h": "m", "unknowns": "1", "error": "1", "order": "1", "wall": "s"}
+        units = {
+            "h": "m",
+            "unknowns": "1",
+            "difference": "1",
+            "order": "1",
+            "wall": "s",
+        }
         return {
             f"{name} [{unit}]": [getattr(level, name) for level in self.levels]
             for name, unit in units.items()
@@ -109,15 +117,17 @@ def converge(
         wall = clock.perf_counter() - start
         coordinate, columns = _compared(result.profiles)
         points = points or tuple(np.unique(coordinate))
-        error = float("nan") if before is None else _distance(columns, before)
+        difference = float("nan") if before is None else _distance(columns, before)
         before = columns
         h = _cell_size(result.plan)
         order = (
-            float(np.log(rows[-1].error / error) / np.log(rows[-1].h / h))
-            if rows and error > 0
+            float(np.log(rows[-1].difference / difference) / np.log(rows[-1].h / h))
+            if rows and difference > 0
             else float("nan")
         )
-        rows.append(Level(h, sum(result.plan.unknowns().values()), error, order, wall))
+        rows.append(
+            Level(h, sum(result.plan.unknowns().values()), difference, order, wall)
+        )
     names = ", ".join(name.split(" [")[0] for name in columns)
     measure = f"largest difference from the level before: {names}"
     found = Convergence(tuple(rows), measure)
@@ -207,5 +217,5 @@ def _write(found: Convergence, out: Path, title: str) -> None:
     columns = found.columns()
     write_table(out / "convergence.csv", columns)
     label = "difference between levels"
-    curve = {label: (columns["h [m]"], columns["error [1]"])}
+    curve = {label: (columns["h [m]"], columns["difference [1]"])}
     error_plot(out / "convergence.png", curve, "cell size [m]", label, title)

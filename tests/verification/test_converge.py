@@ -74,10 +74,10 @@ def scene(path: Path, *changes: tuple[str, str]) -> Path:
 def test_paper_case(tmp_path: Path) -> None:
     found = converge(STUDY, 5, tmp_path)
     assert [level.order for level in found.levels[2:]] == approx([3.0] * 3, abs=0.3)
-    assert found.levels[-1].error < 1e-6
+    assert found.levels[-1].difference < 1e-6
     table = read_table_with_gaps(tmp_path / "convergence.csv")
-    errors = [level.error for level in found.levels]
-    assert table["error [1]"] == approx(errors, nan_ok=True)
+    differences = [level.difference for level in found.levels]
+    assert table["difference [1]"] == approx(differences, nan_ok=True)
     assert (tmp_path / "convergence.png").stat().st_size > 1000
     assert str(found).count("\n") == 6
 
@@ -110,7 +110,7 @@ def test_order_on_prescribed_cells(tmp_path: Path, degree: int) -> None:
 def test_difference_of_levels_without_a_closed_form(tmp_path: Path) -> None:
     file = scene(tmp_path, ("gas.fixed_temperature", "gas.temperature"))
     found = converge(file, 4)
-    assert np.isnan(found.levels[0].error)
+    assert np.isnan(found.levels[0].difference)
     assert found.levels[-1].order == approx(3.0, abs=0.3)
 
 
@@ -156,7 +156,7 @@ def test_fractions_of_an_isothermal_reacting_bed(tmp_path: Path) -> None:
     file.write_text(REACTING, encoding="utf-8")
     found = converge(file, 4)
     assert found.measure.endswith(": T_fluid, T_solid, x_O2, x_O3")
-    assert found.levels[-1].error > 1e-5
+    assert found.levels[-1].difference > 1e-5
     assert found.levels[-1].order == approx(2.0, abs=0.2)
     assert [level.h for level in found.levels] == approx([0.25, 0.125, 0.0625, 0.03125])
 
@@ -167,7 +167,7 @@ def test_a_reacting_bed_in_time(tmp_path: Path) -> None:
         "porosity = 0.4", 'porosity = 0.4\ngas_storage = "quasi_steady"'
     )
     file.write_text(in_time + "[time]\nend = 10.0\n", encoding="utf-8")
-    assert converge(file, 3).levels[-1].error > 0.0
+    assert converge(file, 3).levels[-1].difference > 0.0
 
 
 @pytest.mark.parametrize(
@@ -230,7 +230,7 @@ type = "no_slip"
     )
     found = converge(file, 3)
     assert found.measure.endswith(": u")
-    assert found.levels[2].error < found.levels[1].error
+    assert found.levels[2].difference < found.levels[1].difference
 
 
 def made(*changes: tuple[str, str]) -> Any:
