@@ -307,17 +307,16 @@ class Plan:
         if scene.time is not None and schedule:
             schedule = Schedule.of(scene.boundary, scene.origin.base)
             scene = schedule.frozen(scene, 0.0)
-        target = scene
         inside, chosen = scene.solid.inside, self.solved.solid.inside
         if inside is not None and chosen is not None:
-            target = target.with_inside(
+            scene = scene.with_inside(
                 inside.model_copy(update={"heat": chosen.heat, "points": chosen.points})
             )
         # a mixture takes long to make
         fluid = self.medium.fluid if scene.gas == self.scene.gas else None
-        medium = Medium.of(target, fluid)
-        line = None if self.solved.mesh is self.scene.mesh else reduced(target)
-        target, section = line or (with_vectors(target, self.mesh), 1.0)
+        medium = Medium.of(scene, fluid)
+        line = None if self.solved.mesh is self.scene.mesh else reduced(scene)
+        target, section = line or (with_vectors(scene, self.mesh), 1.0)
         return replace(
             self,
             scene=written,

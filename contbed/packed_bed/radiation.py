@@ -1,5 +1,5 @@
-"""Radiation in a packed bed: the level that its plan takes, and the coupling with
-the temperatures of the solid.
+"""Radiation in a packed bed: its level in words, and the coupling with the
+temperatures of the solid.
 """
 
 from __future__ import annotations

@@ -82,10 +82,8 @@ class Plan:
         }
 
     def with_values(self, scene: RadiationScene) -> Plan:
-        """Return the plan of a scene with other numbers, at the level and on the cells
-        of this one.
-
-        The nodes move with the lengths of the medium.
+        """Return the plan of a scene with other numbers on the cells of this one,
+        whose nodes move with the lengths of the medium.
         """
         return replace(
             self,
@@ -120,7 +118,7 @@ class Plan:
 
 
 def plan(scene: RadiationScene) -> Plan:
-    """Choose the level of the radiation and build the mesh.
+    """Build the mesh, and say at which level the radiation is solved.
 
     Raises
     ------
