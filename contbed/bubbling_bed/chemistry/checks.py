@@ -12,9 +12,12 @@ from contbed.bubbling_bed.solids import Fuel, Solid
 from contbed.bubbling_bed.tables import BubblingBed
 from contbed.chemistry.char_and_lime import CHAR_LAWS
 from contbed.chemistry.checks import reaction_is_whole
-from contbed.chemistry.laws import find_law, laws_of
+from contbed.chemistry.laws import equations_of, find_law, laws_of
 from contbed.chemistry.laws.gases import BY_REACTION
+from contbed.chemistry.mixture import Mechanism
+from contbed.chemistry.species import condensed_names
 from contbed.errors import SceneError
+from contbed.materials.composition import mole_fractions
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.gas import GasCantera
 from contbed.scene.mechanism import find_mechanism
@@ -106,6 +109,47 @@ def gas_reactions_are_whole(
                 (*path, "solid"),
                 f"no such phase; {nearest(str(table.solid), list(solids))}",
             )
+
+
+def only_gases_react(
+    reactions: t.Reactions | None, gas: GasCantera | None, origin: Origin
+) -> Mistakes:
+    """Check that no reaction takes a solid, which has the name of a vapour.
+
+    What Cantera knows as a solid, or no mechanism as a gas, has to enter or to be
+    made.
+    """
+    if reactions is None or gas is None:
+        return
+    usual = set(Mechanism.read(find_mechanism(gas.mechanism, origin.base)).names)
+    there = (usual - {*condensed_names()}).union(thermo.GASES)
+    there |= mole_fractions(gas.composition).keys()
+    waiting: list[tuple[str, Mapping[str, float]]] = []
+    for name, table in reactions.of_gases.items():
+        try:
+            equations = equations_of(name, table).values()
+        except SceneError:
+            continue  # see `gas_reactions_are_whole`
+        waiting += [(name, each.stoichiometry) for each in equations]
+    before = -1
+    while before != len(there):
+        before = len(there)
+        for _, moles in waiting:
+            if not _missing(moles, there):
+                there |= moles.keys()
+    for name, moles in waiting:
+        if missing := _missing(moles, there):
+            yield (
+                ("reactions", name),
+                f"no gas called {' or '.join(missing)} enters or is made, and solids of "
+                "bubbling_bed do not react, but fuel and limestone; name gases of "
+                "gas.composition, or take model = 'packed_bed' for a solid that reacts",
+            )
+
+
+def _missing(moles: Mapping[str, float], there: set[str]) -> list[str]:
+    """Return the species that a reaction takes and that are not there."""
+    return [name for name, count in moles.items() if count < 0.0 and name not in there]
 
 
 def the_fuel_is_whole(solids: Solids) -> Mistakes:
@@ -234,4 +278,5 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
     what_is_fed_leaves,
     fuel_and_limestone_are_fed,
     gas_reactions_are_whole,
+    only_gases_react,
 )
