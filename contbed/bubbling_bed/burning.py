@@ -30,16 +30,21 @@ MEGA = 1e-6
 class HeatBalance:
     """Heat at one temperature of the bed [W].
 
-    burnt : share of the fuel for which there is oxygen
+    oxygen : ratio of the oxygen that enters to what the fuel needs
     surfaces : heat that tubes, walls and freeboard take
     """
 
     T: float
     fuel: float
-    burnt: float
+    oxygen: float
     gas: float
     moisture: float
     surfaces: float
+
+    @property
+    def burnt(self) -> float:
+        """Share of the fuel for which there is oxygen."""
+        return min(1.0, self.oxygen)
 
     @property
     def surplus(self) -> float:
@@ -75,7 +80,8 @@ def heat_balance(problem: Any, T: float) -> HeatBalance:
     data, part = chemistry.data, chemistry.part
     entering = {name: x * chemistry.inlet_flow for name, x in part.inlet.items()}
     atoms, needed = data.elements, data.oxygen
-    burnt = min(1.0, entering["O2"] / needed)
+    ratio = entering["O2"] / needed
+    burnt = min(1.0, ratio)
     changes = {
         "CO2": atoms["C"],
         "H2O": 0.5 * atoms["H"],
@@ -103,7 +109,7 @@ def heat_balance(problem: Any, T: float) -> HeatBalance:
     return HeatBalance(
         T,
         data.rate * data.lower,
-        burnt,
+        ratio,
         sensible(leaving, T) - sensible(entering, inlet),
         data.moisture * latent,
         sum(duties.values()),
@@ -123,6 +129,21 @@ def even_temperature(problem: Any) -> float | None:
     return float(brentq(surplus, COLDEST, HOTTEST, xtol=0.1))
 
 
+def _remedies(found: HeatBalance) -> str:
+    """Return what can bring the heat that is missing, alone or else all together."""
+    effects = {
+        "tubes and walls that take less": found.surfaces,
+        "less or hotter gas": found.gas,
+        "drier fuel": found.moisture,
+        "more fuel": found.fuel * (found.oxygen - 1.0),
+    }
+    enough = [name for name, heat in effects.items() if heat >= -found.surplus]
+    if enough:
+        return ", or ".join(enough)
+    together = [name for name, heat in effects.items() if heat > 0.0]
+    return f"all of this: {', '.join(together)}"
+
+
 def explained(problem: Any) -> str:
     """Return what the heat balance says of a bed whose fuel does not burn."""
     found, T = heat_balance(problem, BURNING), even_temperature(problem)
@@ -136,8 +157,8 @@ def explained(problem: Any) -> str:
     even = "" if T is None else f"; all burnt the bed would be at {T:.0f} K"
     if found.surplus < 0.0:
         return (
-            f"{text}: {-found.surplus * MEGA:.3g} MW are missing{even}. Take less heat, "
-            "feed drier or more fuel, or less or hotter gas"
+            f"{text}: {-found.surplus * MEGA:.3g} MW are missing{even}; give "
+            f"{_remedies(found)}"
         )
     return (
         f"{text}: {found.surplus * MEGA:.3g} MW are left over{even}, so that heat does "

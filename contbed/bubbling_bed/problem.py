@@ -23,7 +23,12 @@ from contbed.fem import system as make_system
 from contbed.fem.ad.batched import RecordedForms
 from contbed.fem.ad.graph import NotRecordableError
 from contbed.radiation.equations.p1 import emitted
-from contbed.solvers.continuation import PseudoSteps, relax, unwatched
+from contbed.solvers.continuation import (
+    PseudoSteps,
+    from_easier,
+    relax,
+    unwatched,
+)
 from contbed.solvers.linear import Solver, scaled
 from contbed.solvers.newton import Options, newton
 
@@ -36,6 +41,9 @@ CAPACITY = 5e5
 # factor of it by which the heat of a hot bed changes slower than its fuel and gas
 SLOWER = 1e3
 HOT = 1500.0  # temperature from which a burning bed is followed last [K]
+# in which gases mix so slowly that flames fill the bed, and the shortest time that is
+# no flame front [s]
+SLOW_MIXING, FAST_MIXING = 3.0, 1e-4
 TYPICAL = 1e3  # temperature [K]
 # share of a typical flow or inventory by which Newton's method may undershoot zero
 MISSED = 0.01
@@ -215,12 +223,41 @@ class BubblingProblem:
             if given or not is_out(self, found[0]):
                 return found
             extinguished = extinguished or found
+        try:
+            found = self.solve_from(self._from_slow_mixing(max(T, HOT)))
+            if not is_out(self, found[0]):
+                return found
+        except ConvergenceError as error:
+            failure = failure or error
         if extinguished is not None:
             return extinguished
         assert failure is not None
         raise ConvergenceError(
             f"{failure}; {explained(self)}", failure.history, failure.state
         )
+
+    def _from_slow_mixing(self, T: float) -> Array:
+        """Return the state of a bed that burns, followed from gases that mix slowly.
+
+        Flames are then as wide as the bed, and become narrow fronts on the way.
+        """
+        scene, bed = self.plan.scene, self.plan.scene.bubbling_bed
+
+        def at(left: float) -> BubblingProblem:
+            fast = max(bed.mixing_time, FAST_MIXING)
+            time = fast ** (1.0 - left) * SLOW_MIXING**left
+            slow = bed.model_copy(update={"mixing_time": time})
+            changed = scene.model_copy(update={"bubbling_bed": slow})
+            changed._origin = scene.origin
+            return self.with_scene(changed)
+
+        easy = at(1.0)
+        state, _ = easy.solve_from(easy._settled(T))
+        # states between may leave the range of a property
+        with np.errstate(all="ignore"):
+            return from_easier(
+                lambda left, near: at(left).solve_near(near)[0], easy.unknowns(state)
+            )
 
     def _settled(self, T: float, slower: float = 1.0) -> Array:
         """Return the state after steps in time from one temperature, whose heat

@@ -25,6 +25,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from contbed.bubbling_bed.burning import BURNING, burns, explained, heat_balance
+from contbed.bubbling_bed.diagnosis import char
 from contbed.bubbling_bed.plan import BubblingPlan, coefficients, line
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.errors import ConvergenceError
@@ -81,21 +83,48 @@ def _followed(
 
     Raises
     ------
-    ConvergenceError : the `failure` of the whole step, where they cannot be followed
+    ConvergenceError : they cannot be followed, with what the last state says, or the
+        `failure` of the whole step
     """
     old, bed = problem.plan.scene.bubbling_bed.height, scene.bubbling_bed
+    last, at_last = x, problem
 
     def at(left: float, near: Any) -> Any:
+        nonlocal last, at_last
         height = bed.height + left * (old - bed.height)
         between = bed.model_copy(update={"height": height})
         changed = scene.model_copy(update={"bubbling_bed": between})
         changed._origin = scene.origin
-        return stretched(problem.plan, changed).solve_near(near)[0]
+        here = stretched(problem.plan, changed)
+        last, at_last = here.solve_near(near)[0], here
+        return last
 
     try:
         return from_easier(at, x)
     except ConvergenceError:
-        raise failure from None
+        raise _no_height(at_last, last, bed.height, failure) from None
+
+
+def _no_height(
+    problem: BubblingProblem, x: Any, wanted: float, failure: ConvergenceError
+) -> ConvergenceError:
+    """Return the error of a bed of fuel that was followed to the height of a problem,
+    on the way to the `wanted` one; the `failure` where nothing burns.
+    """
+    if not burns(problem):
+        return failure
+    scene = problem.plan.scene
+    why = explained(problem)
+    if heat_balance(problem, BURNING).surplus > 0.0:
+        why = char(problem, x) or why
+    text = (
+        f"{scene.origin.at(('bubbling_bed', 'settled_height'))}: "
+        f"bubbling_bed.settled_height = {scene.bubbling_bed.settled_height:g} m: the "
+        f"bed would be {wanted:.3g} m high with its bubbles, and no steady state is "
+        f"found beyond {scene.bubbling_bed.height:.3g} m: {why}; or give a smaller "
+        "settled_height"
+    )
+    return ConvergenceError(text, failure.history, x)
 
 
 def stretched(

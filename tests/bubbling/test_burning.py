@@ -7,15 +7,24 @@ from __future__ import annotations
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from pytest import approx
 
 import contbed
-from contbed.bubbling_bed.burning import BURNING, explained, heat_balance
+from contbed.bubbling_bed.burning import (
+    BURNING,
+    HeatBalance,
+    _remedies,
+    explained,
+    heat_balance,
+)
 from contbed.bubbling_bed.chemistry.of_boilers import unburnt_fuel
 from contbed.bubbling_bed.diagnosis import char, explain
 from contbed.bubbling_bed.plan import plan
-from contbed.bubbling_bed.problem import BubblingProblem
+from contbed.bubbling_bed.problem import HOT, BubblingProblem
+from contbed.bubbling_bed.settling import _no_height
+from contbed.errors import ConvergenceError
 
 FOLDER = Path(__file__).parents[1] / "data" / "first_hour"
 MOLAR_MASS = {"C": 0.012011, "H": 0.001008, "O": 0.015999}
@@ -58,6 +67,73 @@ def test_missing_heat_is_told():
     text = explained(problem(perimeter=50.0))
     assert "MW are missing" in text and "at 1123 K the fuel gives 6.14 MW" in text
     assert "are left over" in explained(problem())
+
+
+def test_the_advice_is_what_can_bring_the_missing_heat():
+    """At 13.2 MW taken of 10.6 - 4.6 - 0.2 MW of heat 7.4 MW are missing: no drier fuel
+    brings that, nor the 30 % more fuel for which there is air.
+    """
+    taken = {"gas": 4.6e6, "moisture": 0.2e6, "surfaces": 13.2e6}
+    found = HeatBalance(BURNING, fuel=10.6e6, oxygen=1.3, **taken)
+    assert found.surplus == approx(-7.4e6)
+    assert _remedies(found) == "tubes and walls that take less"
+    little = {"gas": 4.6e6, "moisture": 3.0e6, "surfaces": 5.0e6}
+    found = HeatBalance(BURNING, fuel=10.6e6, oxygen=1.3, **little)
+    assert _remedies(found).endswith("less or hotter gas, or drier fuel, or more fuel")
+    found = HeatBalance(BURNING, fuel=1e6, oxygen=0.8, **little)
+    assert _remedies(found).startswith("all of this: ")
+    assert "more fuel" not in _remedies(found)
+
+
+def test_a_bed_that_rises_until_its_walls_cool_it_out_is_told():
+    """What its heat lacks is that at the height up to which it was followed."""
+    bed, failure = problem(perimeter=50.0), ConvergenceError("no descent", [1.0])
+    text = str(_no_height(bed, bed._start(BURNING), 2.5, failure))
+    height = bed.plan.scene.bubbling_bed.height
+    assert "the bed would be 2.5 m high" in text
+    assert f"no steady state is found beyond {height:.3g} m" in text
+    assert explained(bed) in text and text.endswith("give a smaller settled_height")
+    warm = problem()
+    x = warm._start(BURNING)
+    warm.system.part(x, "n_char")[:] = 1e9
+    assert "char piles up" in str(_no_height(warm, x, 2.5, failure))
+
+
+def test_a_flame_is_followed_from_gases_that_mix_slowly():
+    """Char with a third of the oxygen that burns it, in steam at 10 bar.
+
+    What the gas that leaves does not burn heats it from 573 K: with mean heat
+    capacities from 298 to 1800 K [J/mol/K] and heats of combustion [kJ/mol] by hand,
+    it is at 1800 K.
+    """
+    scene = contbed.load(FOLDER.parent / "char_gasifier.toml")
+    bed = BubblingProblem(plan(scene))
+    state, _ = bed.solve_from(bed._from_slow_mixing(HOT))
+    top = np.argmax(bed.space.points[0])
+
+    def leaving(name):
+        return sum(
+            bed.system.part(state, f"N_{name}_{phase}")[top]
+            for phase in ("emulsion", "bubble")
+        )
+
+    capacity = {"CO2": 52.9, "CO": 33.0, "H2O": 41.7, "H2": 30.7, "CH4": 67.0}
+    heats = {"CO": 283.0, "H2": 241.8, "CH4": 802.3, "C6H6": 3169.0, "H2S": 518.0}
+    moles = {name: leaving(name) for name in bed.chemistry.part.gases}
+    C = sum(moles[name] for name in ("CO2", "CO", "CH4")) + 6.0 * moles["C6H6"]
+    # 0.7 kg/s with 5 % of moisture and 87 % of carbon in what is dry
+    assert approx(0.7 * 0.95 * 0.87 / MOLAR_MASS["C"], rel=1e-3) == C
+    entering = 1.6 / (0.28 * 0.031998 + 0.72 * 0.018015)
+    brought = entering * (0.28 * 30.6 + 0.72 * 34.8) * (573.15 - 298.15)
+    released = 0.7 * 0.95 * 0.94 * 33.81e6 - 1e3 * sum(
+        heat * moles[name] for name, heat in heats.items()
+    )
+    moisture = 0.7 * 0.05 / 0.018015 * 44.0e3
+    per_kelvin = sum(moles[name] * cp for name, cp in capacity.items())
+    T = 298.15 + (released + brought - moisture) / per_kelvin
+    for phase in ("emulsion", "bubble"):
+        found = bed.system.part(state, f"T_{phase}")[top]
+        assert found == approx(T, rel=0.02), phase
 
 
 def test_char_that_piles_up_is_told_with_the_oxygen_that_passes_by():
