@@ -72,7 +72,7 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
         found = result.qoi["theta_centre"]
         result.warnings.append(
             f"{where}: theta at the centre is {found:.4g} m2/s2, not near "
-            f"{meant:g}; solve with another value"
+            f"{meant:g}: it is another solution of the same flows; try another value"
         )
 
 
