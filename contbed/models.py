@@ -323,10 +323,8 @@ def model_of(scene: Kind) -> Model:
     SceneError : a file or tables in place of a scene
     """
     if not hasattr(scene, "kind"):
-        maker = "contbed.loading.from_dict makes one of tables"
-        if isinstance(scene, str | Path):
-            maker = f'contbed.load("{scene}") makes one of a file'
-        raise SceneError(f"a scene is needed here; {maker}")
+        text = f'"{scene}"' if isinstance(scene, str | Path) else "..."
+        raise SceneError(f"a scene is needed here; contbed.load({text}) makes one")
     return MODELS[scene.kind]
 
 

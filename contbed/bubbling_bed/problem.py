@@ -41,8 +41,8 @@ CAPACITY = 5e5
 # factor of it by which the heat of a hot bed changes slower than its fuel and gas
 SLOWER = 1e3
 HOT = 1500.0  # temperature from which a burning bed is followed last [K]
-# in which gases mix so slowly that flames fill the bed, and the shortest time that is
-# no flame front [s]
+# times in which gases mix [s]: flames fill the bed, and flames are fronts that shorter
+# times do not change
 SLOW_MIXING, FAST_MIXING = 3.0, 1e-4
 TYPICAL = 1e3  # temperature [K]
 # share of a typical flow or inventory by which Newton's method may undershoot zero

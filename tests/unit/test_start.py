@@ -64,5 +64,5 @@ def test_a_file_in_place_of_a_scene_is_told():
     ):
         with pytest.raises(SceneError, match=r'contbed\.load\("bed\.toml"\)'):
             call()
-    with pytest.raises(SceneError, match="from_dict makes one of tables"):
+    with pytest.raises(SceneError, match=r"contbed\.load\(\.\.\.\) makes one"):
         contbed.run({"mesh": {"type": "line"}})
