@@ -198,8 +198,8 @@ Side = Annotated[
 class Boundary(WallHeat):
     """Conditions on one named boundary; what is absent is adiabatic, and a
     frictionless wall for the flow. `coefficient`, `ambient` and `heat_flux` are those
-    of the whole bed, whose phases share the heat as their conductivities; beside a
-    line those of the gas.
+    of the whole bed, whose phases share the heat in proportion to their conductivities;
+    beside a line those of the gas.
     """
 
     type: Side | None = None
