@@ -181,8 +181,7 @@ class HeatProblem:
         boundary, walls = self.interval.boundary(weights), []
         self._set_share(boundary)
         for name, part, wall in self.boundary_terms:
-            table = boundary.get(name)
-            condition = None if table is None else table.thermal(wall.phase)
+            condition = self.build.condition(name, wall.phase, boundary)
             if condition is not None:
                 enters = wall.inflow is not None
                 values = self.build.given(wall.phase, condition, enters)

@@ -4,7 +4,7 @@ stabilisation, sources, walls.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import replace
 from functools import partial
@@ -55,10 +55,14 @@ class HeatCoefficients:
         self.flow, self.system, self.radiation = flow, system, radiation
         self.share = 1.0
 
-    def condition(self, boundary: str, phase: str) -> s.PhaseCondition | None:
-        """Return the thermal condition of one phase on one boundary."""
-        table = self.scene.boundary.get(boundary)
-        if table is None or (self._is_side(boundary) and phase == "solid"):
+    def condition(
+        self, name: str, phase: str, boundary: Mapping[str, s.Boundary] | None = None
+    ) -> s.PhaseCondition | None:
+        """Return the thermal condition of one phase on one boundary, of tables at a
+        time if given.
+        """
+        table = (boundary or self.scene.boundary).get(name)
+        if table is None or (phase == "solid" and self._is_side(name)):
             return None
         return table.thermal(phase)
 

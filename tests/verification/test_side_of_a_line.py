@@ -107,6 +107,23 @@ time = {{ end = 100, tolerance = 1e-6 }}
     assert found.profiles["T_fluid [K]"] == approx(T, abs=1e-3)
 
 
+@pytest.mark.parametrize("table", ["wall", "wall.gas", "wall.solids.s"])
+def test_heat_beside_a_line_that_changes_enters_once(table):
+    """A flux that rises from 0 to 2 kW/m2 gives the bed the heat of its mean: to
+    rounding, as steps integrate a line exactly.
+    """
+    text = f"""{BED}
+initial.gas.temperature = 300
+initial.solids.s.temperature = 300
+time.end = 400
+boundary.left.gas = {{ velocity = 0.5, temperature = 300 }}
+boundary.{table}.heat_flux = {{ times = [0, 400], values = [0, 2000] }}
+"""
+    found = run(loads(text))
+    assert found.balances["energy"]["in"] == approx(1000 * PERIMETER * 400, rel=1e-10)
+    assert_closed(found, 1e-11, "energy")
+
+
 @each_case(__file__, "mistakes")
 def test_mistakes(old, new, words):
     """What a side of a line cannot be is refused."""
