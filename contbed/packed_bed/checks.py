@@ -433,6 +433,8 @@ def streams_have_a_temperature(
 
 
 def a_steady_temperature_is_determined(
+    mesh: Mesh,
+    solids: Mapping[str, s.Solid],
     heat: s.Heat | None,
     closures: s.Closures,
     time: s.Time | None,
@@ -442,12 +444,17 @@ def a_steady_temperature_is_determined(
     """Check that something determines the temperature of a steady scene."""
     if heat is None or time is not None:
         return
-    tied = {
-        phase
-        for conditions in boundary.values()
-        for phase in PHASES
-        if (c := conditions.condition(phase)) is not None and c.ties
-    }
+    insulators = _insulators(closures, solids, radiation)
+    tied = set()
+    for side, conditions in boundary.items():
+        takers = set(PHASES)
+        if conditions.passes_heat:
+            beside = isinstance(mesh, MeshLine) and side == SIDE
+            takers = _takers(beside, insulators)
+        for phase in takers:
+            condition = conditions.condition(phase)
+            if condition is not None and condition.ties:
+                tied.add(phase)
     if radiation is not None and any(
         conditions.radiation for conditions in boundary.values()
     ):
@@ -559,6 +566,14 @@ def phases_conduct_what_they_get(
                 f"no heat passes from '{side}' into the bed with "
                 f"{' and '.join(zero)}; {remedy}",
             )
+
+
+def _takers(beside_a_line: bool, insulators: Iterable[str]) -> set[str]:
+    """Return the phases, "fluid" and "solid", that take heat given for the whole bed."""
+    if beside_a_line:
+        return {"fluid"}
+    idle = {"fluid" if name == "gas" else "solid" for name in insulators}
+    return set(PHASES) - idle
 
 
 def _insulators(

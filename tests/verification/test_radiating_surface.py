@@ -190,6 +190,30 @@ def test_no_phase_conducts_what_a_wall_gives():
     refused(f"{zero}; give a phase a conductivity", from_dict, values)
 
 
+@pytest.mark.parametrize(
+    ("name", "k_gas", "loose"),
+    [
+        ("line", 0.3, "solid"),
+        ("plane", 0.0, "gas"),
+        ("plane", 0.3, None),
+    ],
+)
+def test_a_phase_that_takes_no_heat_of_the_wall_is_undetermined(name, k_gas, loose):
+    """Without exchange each phase needs a temperature of its own; beside a line the
+    wall is that of the gas.
+    """
+    mesh, (low, high), _ = MESHES[name]
+    values = scene(mesh, (low, high))
+    values["closures"] |= {"conductivity_gas": k_gas, "conductivity_solids": K_SOLID}
+    side = "wall" if name == "line" else high
+    values["mesh"] = mesh | ({"diameter": 0.1} if name == "line" else {})
+    values["boundary"] = {side: {"coefficient": 5.0, "ambient": COLD}}
+    if loose is None:
+        from_dict(values)
+        return
+    refused(f"temperature of the {loose} is undetermined", from_dict, values)
+
+
 def test_heat_of_a_wall_stands_once():
     mesh, (low, high), _ = MESHES["plane"]
     values = scene(mesh, (low, high))
