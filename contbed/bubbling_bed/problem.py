@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from contbed.bubbling_bed.burning import burns, explained, is_out
+from contbed.bubbling_bed.burning import burns
 from contbed.bubbling_bed.coefficients import SMOOTHED
 from contbed.bubbling_bed.diagnosis import explain, fluidization, temperatures
 from contbed.bubbling_bed.equations import bed as model
+from contbed.bubbling_bed.ignition import burning_state
 from contbed.bubbling_bed.plan import BubblingPlan, coefficients, typical_numbers
 from contbed.bubbling_bed.scene import BubblingScene
 from contbed.closures.optics import SIGMA
@@ -25,7 +26,6 @@ from contbed.fem.ad.graph import NotRecordableError
 from contbed.radiation.equations.p1 import emitted
 from contbed.solvers.continuation import (
     PseudoSteps,
-    from_easier,
     relax,
     unwatched,
 )
@@ -38,12 +38,6 @@ Array = Any
 EXTRA = 4
 # heat capacity of a phase, only to approach a steady state in time [J/m3/K]
 CAPACITY = 5e5
-# factor of it by which the heat of a hot bed changes slower than its fuel and gas
-SLOWER = 1e3
-HOT = 1500.0  # temperature from which a burning bed is followed last [K]
-# times in which gases mix [s]: flames fill the bed, and flames are fronts that shorter
-# times do not change
-SLOW_MIXING, FAST_MIXING = 3.0, 1e-4
 TYPICAL = 1e3  # temperature [K]
 # share of a typical flow or inventory by which Newton's method may undershoot zero
 MISSED = 0.01
@@ -200,66 +194,11 @@ class BubblingProblem:
         if self.chemistry is None:
             return self.solve_from(self._start(T))
         if not burns(self):
-            return self.solve_from(self._settled(T))
+            return self.solve_from(self.settled(T))
         given = guess is not None or "temperature" in initial.model_fields_set
-        return self._burning(T, given)
+        return burning_state(self, T, given)
 
-    def _burning(self, T: float, given: bool) -> tuple[Array, list[float]]:
-        """Solve a bed that burns fuel from one temperature, or by following a hot bed.
-
-        Heat that changes slowly leaves the bed hot until its inventory of fuel and the
-        gas are those that belong to it; a bed that cools before its fuel is there goes
-        out. A state without fire is accepted from a `given` temperature, or where no
-        other is found.
-        """
-        extinguished: tuple[Array, list[float]] | None = None
-        failure: ConvergenceError | None = None
-        for slower, start in ((1.0, T), (SLOWER, T), (SLOWER, max(T, HOT))):
-            try:
-                found = self.solve_from(self._settled(start, slower))
-            except ConvergenceError as error:
-                failure = failure or error
-                continue
-            if given or not is_out(self, found[0]):
-                return found
-            extinguished = extinguished or found
-        try:
-            found = self.solve_from(self._from_slow_mixing(max(T, HOT)))
-            if not is_out(self, found[0]):
-                return found
-        except ConvergenceError as error:
-            failure = failure or error
-        if extinguished is not None:
-            return extinguished
-        assert failure is not None
-        raise ConvergenceError(
-            f"{failure}; {explained(self)}", failure.history, failure.state
-        )
-
-    def _from_slow_mixing(self, T: float) -> Array:
-        """Return the state of a bed that burns, followed from gases that mix slowly.
-
-        Flames are then as wide as the bed, and become narrow fronts on the way.
-        """
-        scene, bed = self.plan.scene, self.plan.scene.bubbling_bed
-
-        def at(left: float) -> BubblingProblem:
-            fast = max(bed.mixing_time, FAST_MIXING)
-            time = fast ** (1.0 - left) * SLOW_MIXING**left
-            slow = bed.model_copy(update={"mixing_time": time})
-            changed = scene.model_copy(update={"bubbling_bed": slow})
-            changed._origin = scene.origin
-            return self.with_scene(changed)
-
-        easy = at(1.0)
-        state, _ = easy.solve_from(easy._settled(T))
-        # states between may leave the range of a property
-        with np.errstate(all="ignore"):
-            return from_easier(
-                lambda left, near: at(left).solve_near(near)[0], easy.unknowns(state)
-            )
-
-    def _settled(self, T: float, slower: float = 1.0) -> Array:
+    def settled(self, T: float, slower: float = 1.0) -> Array:
         """Return the state after steps in time from one temperature, whose heat
         changes so many times slower than that of solids and gas.
         """

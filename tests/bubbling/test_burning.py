@@ -4,6 +4,7 @@ says what is missing.
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -21,8 +22,9 @@ from contbed.bubbling_bed.burning import (
 )
 from contbed.bubbling_bed.chemistry.of_boilers import unburnt_fuel
 from contbed.bubbling_bed.diagnosis import char, explain
+from contbed.bubbling_bed.ignition import HOT, NarrowFlameError, from_slow_mixing
 from contbed.bubbling_bed.plan import plan
-from contbed.bubbling_bed.problem import HOT, BubblingProblem
+from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.bubbling_bed.settling import _no_height
 from contbed.errors import ConvergenceError
 
@@ -108,7 +110,7 @@ def test_a_flame_is_followed_from_gases_that_mix_slowly():
     """
     scene = contbed.load(FOLDER.parent / "char_gasifier.toml")
     bed = BubblingProblem(plan(scene))
-    state, _ = bed.solve_from(bed._from_slow_mixing(HOT))
+    state, _ = bed.solve_from(from_slow_mixing(bed, HOT))
     top = np.argmax(bed.space.points[0])
 
     def leaving(name):
@@ -134,6 +136,26 @@ def test_a_flame_is_followed_from_gases_that_mix_slowly():
     for phase in ("emulsion", "bubble"):
         found = bed.system.part(state, f"T_{phase}")[top]
         assert found == approx(T, rel=0.02), phase
+
+
+def test_a_flame_narrower_than_cells_is_told_with_a_time_of_mixing(monkeypatch):
+    """Newton's method fails below 0.2 s of mixing: the last of 3, 0.41 and 0.15 s, and
+    of the shorter steps in between, is above that.
+    """
+    bed = BubblingProblem(plan(contbed.load(FOLDER.parent / "char_gasifier.toml")))
+    solve_near = BubblingProblem.solve_near
+
+    def only_slow(self, x):
+        if self.plan.scene.bubbling_bed.mixing_time < 0.2:
+            raise ConvergenceError("no descent", [1.0])
+        return solve_near(self, x)
+
+    monkeypatch.setattr(BubblingProblem, "solve_near", only_slow)
+    with pytest.raises(NarrowFlameError) as caught:
+        from_slow_mixing(bed, HOT)
+    advised = float(re.search("give (.*?) s", str(caught.value))[1])
+    # at the least step left is missed by 1/256 of ln(3/0.001)
+    assert advised == approx(1.2 * 0.2, rel=0.05)
 
 
 def test_char_that_piles_up_is_told_with_the_oxygen_that_passes_by():

@@ -1,0 +1,118 @@
+"""Ways to the burning state of a bed of fuel, which Newton's method does not reach from
+one temperature: hot beds that cool slowly, and gases that mix slowly at first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from contbed.bubbling_bed.burning import explained, is_out
+from contbed.errors import ConvergenceError
+from contbed.solvers.continuation import from_easier
+
+# factor by which the heat of a hot bed changes slower than its fuel and gas
+SLOWER = 1e3
+HOT = 1500.0  # temperature from which a burning bed is followed last [K]
+# times in which gases mix [s]: flames fill the bed, and flames are fronts that shorter
+# times do not change
+SLOW_MIXING, FAST_MIXING = 3.0, 1e-4
+WIDER = 1.2  # times the shortest time of mixing with a state, which is advised
+
+
+class NarrowFlameError(ConvergenceError):
+    """A burning bed whose state is found only for gases that mix more slowly."""
+
+
+def burning_state(problem: Any, T: float, given: bool) -> tuple[Any, list[float]]:
+    """Solve a bed that burns fuel from one temperature, or by following a hot bed.
+
+    A state without fire is accepted from a `given` temperature, or where no other is
+    found.
+
+    Raises
+    ------
+    ConvergenceError : no state is found, with what the heat balance says
+    """
+    hot = max(T, HOT)
+    # a bed that cools before its fuel is there goes out; heat that changes slowly leaves
+    # it hot until its inventory of fuel and the gas are those that belong to it
+    ways: tuple[Callable[[], Any], ...] = (
+        lambda: problem.settled(T),
+        lambda: problem.settled(T, SLOWER),
+        lambda: from_slow_mixing(problem, hot),
+        lambda: problem.settled(hot, SLOWER),
+    )
+    extinguished: tuple[Any, list[float]] | None = None
+    failures: list[ConvergenceError] = []
+    for start in ways:
+        try:
+            found: tuple[Any, list[float]] = problem.solve_from(start())
+        except ConvergenceError as error:
+            failures.append(error)
+            continue
+        if given or not is_out(problem, found[0]):
+            return found
+        extinguished = extinguished or found
+    if extinguished is not None:
+        return extinguished
+    narrow = [each for each in failures if isinstance(each, NarrowFlameError)]
+    if narrow:
+        raise narrow[0]
+    first = failures[0]
+    raise ConvergenceError(f"{first}; {explained(problem)}", first.history, first.state)
+
+
+def from_slow_mixing(problem: Any, T: float) -> Any:
+    """Return unknowns of a bed that burns, followed from gases that mix slowly.
+
+    Flames are then as wide as the bed, and become narrow fronts on the way.
+
+    Raises
+    ------
+    NarrowFlameError : they cannot be followed to the time of mixing of the scene
+    ConvergenceError : no state is found for gases that mix slowly either
+    """
+    slowest = with_mixing(problem, 1.0)
+    state, _ = slowest.solve_from(slowest.settled(T))
+    reached = SLOW_MIXING
+
+    def follow(left: float, near: Any) -> Any:
+        nonlocal reached
+        there = with_mixing(problem, left)
+        x, _ = there.solve_near(near)
+        reached = there.plan.scene.bubbling_bed.mixing_time
+        return x
+
+    try:
+        # states between may leave the range of a property
+        with np.errstate(all="ignore"):
+            return from_easier(follow, slowest.unknowns(state))
+    except ConvergenceError as error:
+        scene = problem.plan.scene
+        wanted = scene.bubbling_bed.mixing_time
+        raise NarrowFlameError(
+            f"{scene.origin.at(('bubbling_bed',))}: bubbling_bed: no steady state is "
+            "found: flames are narrower than cells of the mesh at "
+            f"bubbling_bed.mixing_time = {wanted:g} s; give {WIDER * reached:.2g} s, "
+            "for which a burning bed is found, or mesh.refine = "
+            f"{scene.mesh.refine + 1}",
+            error.history,
+            error.state,
+        ) from error
+
+
+def with_mixing(problem: Any, left: float) -> Any:
+    """Return a problem with another time in which gases mix: slow at 1, and that of
+    its scene at 0.
+    """
+    scene, bed = problem.plan.scene, problem.plan.scene.bubbling_bed
+    time = bed.mixing_time
+    if left > 0.0:
+        time = max(time, FAST_MIXING) ** (1.0 - left) * SLOW_MIXING**left
+    slow = bed.model_copy(update={"mixing_time": time})
+    changed = scene.model_copy(update={"bubbling_bed": slow})
+    changed._origin = scene.origin
+    return problem.with_scene(changed)
