@@ -320,8 +320,8 @@ class BubblingProblem:
         return x
 
     def solve_near(self, x: Array) -> tuple[Array, list[float]]:
-        """Solve by Newton's method alone, from temperatures and other unknowns near by;
-        return the unknowns and the history.
+        """Solve by Newton's method alone, from unknowns close to the solution; return
+        the unknowns and the history.
         """
         _, matrix = self.steady(x, True)
         options = Options.of(

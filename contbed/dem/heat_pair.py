@@ -273,8 +273,8 @@ def _quadrature(
     low: Array,
     high: Array,
 ) -> Array:
-    """Integrate Eq. 5 over r = low + (high - low) s: the gap at the contact is narrow,
-    and there is little but the gap at the rim.
+    """Integrate Eq. 5 over r = low + (high - low) s, with most nodes at the contact,
+    where the gap is narrow, and at the rim, where it is nearly the whole path.
 
     `first` and `second` are radius, distance to the face and conductivity of the
     particles of each pair.

@@ -2,8 +2,8 @@
 given one.
 
 The enthalpy of a solid that moves rises steeply where it melts, and Newton's method
-finds the place only from a state near by. Melting over all temperatures of the scene is
-mild; its range is made narrower, by equal factors as long as Newton's method follows.
+finds the place only from a nearby state. Melting over all temperatures of the scene is
+mild; its range is then narrowed in steps that Newton's method follows.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def narrowed(
     ----------
     span : lowest and highest temperature of the scene [K], between which it melts at
         first
-    solve : finds the steady state from one near by, for the present range
+    solve : finds the steady state from a nearby one, for the present range
     start : where to begin
 
     Raises

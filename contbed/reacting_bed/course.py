@@ -54,8 +54,8 @@ class Course:
     time; `problem` is at the start.
 
     `temperatures` are the lowest and highest of the scene: of what enters, of the wall
-    and of the start [K]; `fractions` the largest mole fractions of each gas that enters,
-    fills the bed or is made of these; `initial` is the state of a file at the start.
+    and of the start [K]; `fractions` the largest mole fraction of each gas that enters,
+    fills the bed, or is made from such gases; `initial` is the state of a file at the start.
     """
 
     scene: s.ReactingScene

@@ -127,7 +127,7 @@ def from_easier(solve: Callable[[float, Any], Any], start: Any) -> Any:
 
     Parameters
     ----------
-    solve : finds a state from one near by, for the share of the way that is left: 1 is
+    solve : finds a state from a nearby one, for the share of the way that is left: 1 is
         the easier problem, 0 the one that is meant
     start : state where the easier problem begins
 
