@@ -116,7 +116,7 @@ class Tubes(Table):
     area: Extinction
     """tube surface per bed volume"""
     emissivity: Emissivity
-    """emissivity of the tubes"""
+    """emissivity of the tubes; combined with that of the particles that face them"""
     temperature: Temperature
     """surface temperature of the tubes"""
 

@@ -100,7 +100,8 @@ def material(name: str, phase: str) -> Material:
             if name in MATERIALS
             else " is not in the library;"
         )
-        raise SceneError(f"material {name!r}{other} {nearest(name, known)}")
+        real = '; or give model = "coolprop" and name' if phase == "fluid" else ""
+        raise SceneError(f"material {name!r}{other} {nearest(name, known)}{real}")
     return MATERIALS[name]
 
 

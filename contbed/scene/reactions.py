@@ -113,8 +113,8 @@ class Reaction(Table):
     """phase, or list of phases, of [solids] in which it runs; absent: those that hold
     what reacts"""
     basis: Literal["gas", "catalyst", "particle", "bed"] | None = None
-    """rate per m3 of gas, kg of catalyst, m3 of particles or of bed; absent: gas, or
-    particle"""
+    """rate per m3 of gas, kg of catalyst, m3 of particles or of bed (packed_bed
+    alone); absent: gas, or particle"""
     factor: Positive = 1.0
     """multiplies the rate, such as an effectiveness"""
     equilibrium_factor: Positive = 1.0

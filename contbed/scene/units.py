@@ -40,6 +40,8 @@ _LARGE_POWER = re.compile(r"\d\s*(?:\*\*|\^)|\d{3}|\)\s*(?:\*\*|\^)")
 
 _GAUGE = "; pressures are absolute: add that of the air and write {}"
 _ABSOLUTE = "; pressures are absolute: write {}"
+_FRACTION = re.compile(r"\s*[+-]?\d+(\s+\d+)?\s*/\s*\d")
+_DECIMALS = "; write a fraction with a decimal point"
 _HINTS = {
     "barg": _GAUGE.format("bar"),
     "psig": _GAUGE.format("psi"),
@@ -79,9 +81,8 @@ def to_si(text: str, unit: str) -> float:
     )
     found = _parse(name) if readable else None
     if found is None:
-        raise ValueError(
-            f"unknown unit '{name[:60]}'{_HINTS.get(name, '')}; {expected}"
-        )
+        hint = _DECIMALS if _FRACTION.match(text) else _HINTS.get(name, "")
+        raise ValueError(f"unknown unit '{name[:60]}'{hint}; {expected}")
     registry = _registry()
     wanted = _parse("" if unit == "1" else unit)
     assert wanted is not None, "units of contbed's own"

@@ -263,7 +263,9 @@ def _layers_end_within_cells(
 
 
 def _reach(covered: tuple[float, float], more: float, what: str) -> str:
-    much = f"{100.0 * abs(more):.2g} % {'more' if more > 0 else 'less'} {what}"
+    share = 100.0 * abs(more)
+    shown = f"{share:.0f}" if share >= 10.0 else f"{share:.2g}"
+    much = f"{shown} % {'more' if more > 0 else 'less'} {what}"
     return (
         f"reaches from {covered[0]:.6g} to {covered[1]:.6g} m on this mesh: {much}; "
         "begin and end between cells"

@@ -147,6 +147,14 @@ def test_mistakes(solid, part):
     )
 
 
+def test_a_liquid_that_the_library_lacks_is_found_elsewhere():
+    gas = {"material": "water", "material_temperature": 300.0}
+    refused(
+        'allowed: solar_salt; or give model = "coolprop" and name',
+        lambda: cb.load({**BED, "gas": gas}),
+    )
+
+
 def test_scenes_from_dicts_and_short_reprs():
     result = cb.run(cb.load(BED))
     text = repr(result)
