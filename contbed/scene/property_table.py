@@ -21,6 +21,7 @@ from contbed.scene.quantities import (
     Conductivity,
     Density,
     HeatCapacity,
+    PositiveConductivity,
     Table,
     Temperature,
     unit,
@@ -103,7 +104,7 @@ OfSolid = Annotated[
     Discriminator(how_written),
 ]
 HeatCapacityOfSolid = OfSolid[HeatCapacity, HeatCapacityTable]
-ConductivityOfSolid = OfSolid[Conductivity, ConductivityTable]
+ConductivityOfSolid = OfSolid[PositiveConductivity, ConductivityTable]
 
 
 class Melting(Table):

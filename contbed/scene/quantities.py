@@ -189,6 +189,7 @@ Length = Annotated[Position, Field(gt=0)]
 Permeability = Annotated[float, *unit("m**2"), Field(gt=0)]
 Temperature = Annotated[float, *unit("K"), Field(gt=0)]
 Conductivity = Annotated[float, *unit("W/m/K"), Field(ge=0)]
+PositiveConductivity = Annotated[float, *unit("W/m/K"), Field(gt=0)]
 Emissivity = PositiveShare
 Extinction = Annotated[float, *unit("1/m"), Field(ge=0)]
 Irradiance = Annotated[float, *unit("W/m**2"), Field(ge=0)]
