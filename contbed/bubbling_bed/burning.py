@@ -149,8 +149,10 @@ def explained(problem: Any) -> str:
     found, T = heat_balance(problem, BURNING), even_temperature(problem)
     released = found.fuel * found.burnt
     of_air = "" if found.burnt == 1.0 else f" with oxygen for {found.burnt:.3g} of it"
+    height = problem.plan.scene.bubbling_bed.height
     text = (
-        f"at {BURNING:.0f} K the fuel gives {released * MEGA:.3g} MW{of_air}, gas needs "
+        f"at {BURNING:.0f} K in a bed {height:.3g} m high the fuel gives "
+        f"{released * MEGA:.3g} MW{of_air}, gas needs "
         f"{found.gas * MEGA:.3g} MW, its moisture {found.moisture * MEGA:.3g} MW, and "
         f"tubes, walls and freeboard take {found.surfaces * MEGA:.3g} MW"
     )

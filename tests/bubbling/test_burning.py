@@ -67,7 +67,10 @@ def test_the_heat_balance_by_hand():
 
 def test_missing_heat_is_told():
     text = explained(problem(perimeter=50.0))
-    assert "MW are missing" in text and "at 1123 K the fuel gives 6.14 MW" in text
+    assert (
+        "MW are missing" in text
+        and "at 1123 K in a bed 0.65 m high the fuel gives 6.14 MW" in text
+    )
     assert "are left over" in explained(problem())
 
 
