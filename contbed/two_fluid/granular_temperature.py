@@ -100,10 +100,11 @@ def assemble_theta(
     convected [W].
 
     Sinks are exact by themselves, sources explicit (Patankar 1980, Numerical Heat
-    Transfer and Fluid Flow). The share of theta that leaves a cell by convection is no
-    longer there to dissipate: with it sinks become linear, so that theta stays
-    positive. Walls produce and dissipate by Johnson and Jackson (1987,
-    J. Fluid Mech. 176, 67-93) with `slip` (nb,) and the velocity u (nc, dim).
+    Transfer and Fluid Flow). Sinks are linear where theta leaves a cell by convection
+    or heat balances them: what leaves is no longer there to dissipate, so that theta
+    stays positive, and less damping of heat makes shocks unstable. Walls produce and
+    dissipate by Johnson and Jackson (1987, J. Fluid Mech. 176, 67-93) with `slip` (nb,)
+    and the velocity u (nc, dim).
     """
     content, rhs, solid = system.content, system.rhs, edge.solid
     s, old, source = particles.eps_s, particles.theta, terms.source
@@ -135,10 +136,14 @@ def assemble_theta(
         collisions, drag = content[c, 0], g.volume[c] * terms.drag[c]
         compress = g.volume[c] * terms.pressure[c] * terms.divergence[c]
         mass = 1.5 * particles.rho * (s[c] + NO_PARTICLES) * g.volume[c] / dt
-        leaving = min(1.0, max(0.0, -rhs[c, 0] / (mass * old[c] + SMALLEST)))
+        sinks = (collisions + drag) * old[c]
+        leaving = max(0.0, -rhs[c, 0]) / (mass * old[c] + SMALLEST)
+        heat = max(0.0, rhs[c, 0]) + g.volume[c] * max(0.0, source[c])
+        heat += max(0.0, -compress) * old[c]
+        linear = min(1.0, max(leaving, heat / (sinks + SMALLEST)))
         factor = closed_cooling(collisions / mass, drag / mass)
-        factor += leaving * (1.0 + (collisions + drag) / mass - factor)
-        rhs[c, 0] += g.volume[c] * source[c] - (collisions + drag + compress) * old[c]
+        factor += linear * (1.0 + (collisions + drag) / mass - factor)
+        rhs[c, 0] += g.volume[c] * source[c] - sinks - compress * old[c]
         content[c, 0] = mass * factor + max(0.0, compress)
         if source[c] < 0.0:
             content[c, 0] -= g.volume[c] * source[c] / (old[c] + SMALLEST)

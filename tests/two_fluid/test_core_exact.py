@@ -79,8 +79,9 @@ def test_homogeneous_cooling(drag, dt):
 
 
 def test_order_in_time_of_heated_cooling():
-    """theta' = P/(3/2 rho_s eps_s) - a theta^1.5: a step of first order is of second
-    order here, and where heat and dissipation balance it changes nothing.
+    """theta' = P/(3/2 rho_s eps_s) - a theta^1.5: of first order, as heat makes sinks
+    linear so that shocks stay stable, with errors below 3e-4; where heat and
+    dissipation balance a step changes nothing.
     """
     s, a, theta, end = 0.3, 40.0, 1e-2, 0.1
     power = 0.3 * a * theta**1.5
@@ -101,7 +102,8 @@ def test_order_in_time_of_heated_cooling():
         b.start(eps_s=s, theta=theta)
         b.advance(end)
         errors.append(abs(b.state.theta[0] / exact - 1))
-    assert np.abs(orders(errors) - 2).max() < 0.1, errors
+    assert np.abs(orders(errors) - 1).max() < 0.1, errors
+    assert max(errors) < 3e-4
     balance = 0.3 ** (2 / 3) * theta
     b.start(eps_s=s, theta=balance)
     b.step(10.0)
