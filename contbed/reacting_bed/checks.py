@@ -26,6 +26,7 @@ from contbed.reacting_bed.inside_checks import (
     adsorbed_gases_react_by_their_concentrations,
     particles_can_adsorb,
     pellets_have_diffusivities,
+    pores_are_those_of_spheres,
     uptake_has_a_meaning,
 )
 from contbed.reacting_bed.phase_checks import (
@@ -396,6 +397,7 @@ CHECKS: tuple[Check, ...] = (
     particles_can_adsorb,
     adsorbed_gases_react_by_their_concentrations,
     pellets_have_diffusivities,
+    pores_are_those_of_spheres,
     uptake_has_a_meaning,
     closures_exist,
     *phase_checks.CHECKS,

@@ -209,6 +209,25 @@ def pellets_have_diffusivities(solids: Solids, reactions: Reactions) -> Mistakes
         yield from _needless(path, inside.diffusivity, gases)
 
 
+def pores_are_those_of_spheres(solids: Solids, reactions: Reactions) -> Mistakes:
+    """Check that no gas diffuses to its reactions in rods, whose pores are not
+    modelled.
+    """
+    diffuses = any(
+        getattr(each, "diffusivity", None) is not None for each in reactions.values()
+    )
+    for phase, table in solids.items():
+        inside = table.inside
+        resolved = inside.mass != "none" and (diffuses or bool(inside.diffusivity))
+        if table.shape == "rods" and resolved:
+            yield (
+                ("solids", phase, "shape"),
+                "diffusion with reaction inside of particles is that of spheres; give "
+                f'shape = "spheres" and diameter = {1.5 * table.diameter:g} (m), which '
+                "have the same surface over volume and pressure drop",
+            )
+
+
 def _needless(path: KeyPath, given: Mapping[str, float], gases: set[str]) -> Mistakes:
     """Check that no gas has a diffusivity that no reaction needs."""
     for gas in sorted(set(given) - gases):

@@ -175,6 +175,17 @@ def test_mistakes(change, said):
     refused(said, from_dict, scene)
 
 
+def test_pores_of_rods_are_refused():
+    """A sphere of 1.5 d has the surface over volume of a rod of d: 6/(1.5 d) = 4/d."""
+    scene, _ = pellets(1.0)
+    particles = scene["solids"]["particles"]
+    particles["shape"] = "rods"
+    sphere = 1.5 * particles["diameter"]
+    refused(f"that of spheres; give .* diameter = {sphere:g}", from_dict, scene)
+    particles["inside"] = {"mass": "none"}
+    from_dict(scene)
+
+
 def test_nothing_to_resolve():
     scene, _ = pellets(1.0)
     set_keys(scene, 'reactions.r.basis = "gas"')

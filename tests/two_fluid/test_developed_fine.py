@@ -84,7 +84,7 @@ def test_fine_particles_have_a_solution_with_production_by_the_slip():
 def test_fine_particles_without_it_end_with_advice():
     with pytest.raises(
         ConvergenceError,
-        match=r'no solution found .*production = "granular_production_koch"',
+        match=r'no solution found; .*production = "granular_production_koch"',
     ):
         cb.run(fcc(20))
 
