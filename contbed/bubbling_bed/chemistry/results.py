@@ -192,12 +192,12 @@ def _fits(scene: Any, share: float, result: Result) -> None:
     if share > 1.0:
         key = ("solids", scene.fuel, "fuel")
         raise ConvergenceError(
-            f"{scene.origin.place(key)}: the bed cannot hold its char, "
-            "which "
-            f"would fill {100 * share:.3g} % of the volume of the "
-            "solids (char_volume_fraction): feed less fuel, more oxygen or steam, "
-            "drain faster by "
-            "bubbling_bed.drain.time, or enlarge bubbling_bed.section",
+            f"{scene.origin.place(key)}: the bed cannot hold its char, which would fill "
+            f"{100 * share:.3g} % of the volume of the solids (char_volume_fraction): "
+            "if bubbles carry the oxygen through the bed, give smaller ones "
+            "(bubbling_bed.bubbles.size as a number); else feed less fuel, more oxygen "
+            "or steam, drain faster by bubbling_bed.drain.time, or enlarge "
+            "bubbling_bed.section",
             result.history,
         )
 
