@@ -222,7 +222,7 @@ def pores_are_those_of_spheres(solids: Solids, reactions: Reactions) -> Mistakes
         if table.shape == "rods" and resolved:
             yield (
                 ("solids", phase, "shape"),
-                "diffusion with reaction inside of particles is that of spheres; give "
+                "intraparticle diffusion with reaction is that of spheres; give "
                 f'shape = "spheres" and diameter = {1.5 * table.diameter:g} (m), which '
                 "have the same surface over volume and pressure drop",
             )
