@@ -144,7 +144,10 @@ class HeatSteps(DirkSteps[HeatHistory]):
     def again(self, after: HeatHistory) -> HeatHistory:
         """Return the history at the start of a period from a state."""
         first, vertices = self.control.first, after.vertices
-        return HeatHistory(state=after.state, size=first, vertices=vertices)
+        nothing = np.zeros(len(self.problem.boundaries))
+        return HeatHistory(
+            state=after.state, size=first, vertices=vertices, reaction=nothing
+        )
 
     def stops(self) -> list[float]:
         """Return the times of jumps and kinks, and the end [s]."""

@@ -134,13 +134,14 @@ def test_random_fields_calm_down(changes):
     assert watched(bed, 0.1)[1] < 3.0 * 2.0**0.5
 
 
-@pytest.mark.parametrize(("size", "most"), [(None, 1e-4), (0.01, 1e-3)])
+@pytest.mark.parametrize(("size", "most"), [(None, 2e-4), (0.01, 1e-3)])
 def test_level_bed_on_triangles_calms_down(size, most, tmp_path):
     # the surface cuts gmsh's triangles at unequal heights, and where friction is a
     # viscosity they level at 3e-4 m/s; forces without a potential and cells that follow
     # their empty neighbours keep a bed at 6e-2 m/s, and rounding in empty cells throws
     # particles from the surface at 4e-2 m/s now and then if they share the velocities
-    # of its faces
+    # of its faces; linear velocities that pass skewed faces move the surface at up to
+    # 1.1e-4 m/s, without them 3e-5
     def look(bed):
         speed = np.linalg.norm(bed.state.u_solid, axis=1)
         assert speed.max(where=bed.state.eps_s > 1e-2, initial=0.0) < most
