@@ -24,11 +24,7 @@ from contbed.fem import system as make_system
 from contbed.fem.ad.batched import RecordedForms
 from contbed.fem.ad.graph import NotRecordableError
 from contbed.radiation.equations.p1 import emitted
-from contbed.solvers.continuation import (
-    PseudoSteps,
-    relax,
-    unwatched,
-)
+from contbed.solvers.continuation import PseudoSteps, relax, unwatched
 from contbed.solvers.linear import Solver, scaled
 from contbed.solvers.newton import Options, newton
 

@@ -22,16 +22,6 @@ import numpy as np
 from contbed.compiled import barrier
 from contbed.compiled.barrier import Crew, finish, take, wait
 from contbed.compiled.functions import digest, entry, inner, tied
-from contbed.dem import (
-    contact,
-    contact_heat,
-    forces,
-    heat_impact,
-    kernel_arrays,
-    neighbours,
-    ordering,
-    wall_forces,
-)
 from contbed.dem.forces import empty_batch, pair_forces
 from contbed.dem.kernel_arrays import (
     BLOCK,
@@ -299,17 +289,6 @@ def make_list(
 
 
 # numba itself watches the file of a kernel alone, not those of what it calls
-_called = (
-    barrier,
-    contact,
-    contact_heat,
-    forces,
-    heat_impact,
-    kernel_arrays,
-    neighbours,
-    ordering,
-    wall_forces,
-)
-_content = digest(Path(str(module.__file__)) for module in _called)
+_content = digest([*Path(__file__).parent.glob("*.py"), Path(str(barrier.__file__))])
 for _kernel in (take_steps, make_list):
     tied(_kernel, _content)

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from contbed.packed_bed.inlets import (
-    enters,
-    key_of,
-    velocities_given,
-)
+from contbed.packed_bed.inlets import enters, key_of, velocities_given
 from contbed.packed_bed.schedule import PHASES
 from contbed.packed_bed.schedule_checks import (
     NAMES,
