@@ -114,5 +114,4 @@ def with_mixing(problem: Any, left: float) -> Any:
         time = max(time, FAST_MIXING) ** (1.0 - left) * SLOW_MIXING**left
     slow = bed.model_copy(update={"mixing_time": time})
     changed = scene.model_copy(update={"bubbling_bed": slow})
-    changed._origin = scene.origin
     return problem.with_scene(changed)

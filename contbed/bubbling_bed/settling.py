@@ -94,7 +94,6 @@ def _followed(
         height = bed.height + left * (old - bed.height)
         between = bed.model_copy(update={"height": height})
         changed = scene.model_copy(update={"bubbling_bed": between})
-        changed._origin = scene.origin
         here = stretched(problem.plan, changed)
         last, at_last = here.solve_near(near)[0], here
         return last
@@ -167,7 +166,6 @@ def settled(problem: BubblingProblem, state: Any, result: Result) -> tuple[Any, 
         bed = bed.model_copy(update={"height": height})
         result.qoi["bed_height_m"] = height
     changed = scene.model_copy(update={"solids": solids, "bubbling_bed": bed})
-    changed._origin = scene.origin
     return changed, max(changes)
 
 
