@@ -91,6 +91,7 @@ def compare(
     out: OutFolder = None,
     settings: Settings = None,
     report: WithReport = False,
+    quiet: NoProgress = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
@@ -112,6 +113,7 @@ def compare(
         wanted,
         folder,
         overrides_of(settings),
+        quiet=quiet,
         trust=trust,
         allow_large=allow_large,
     )

@@ -135,7 +135,8 @@ def periods(
     start : arrays and numbers of a checkpoint to resume from
     tolerance : largest change of what is stored, over its sizes
     save : is called with the search before each period
-    advance : is called with the time after each step [s], and the number of the period
+    advance : is called with the time after each step [s], and with the number of the
+        period and the change of the one before
 
     Raises
     ------
@@ -144,6 +145,7 @@ def periods(
     search = Search(first)
     if start is not None:
         search = Search.unpack(first, *start)
+    note = ""
     while search.periods < MOST:
         save(search)
         count = search.periods + 1
@@ -151,7 +153,7 @@ def periods(
         after, sizes, error = search.begin, [], 0.0
         try:
             for following, missed in _steps(model, search, fresh):
-                advance(following.time, f"period {count}")
+                advance(following.time, f"period {count}{note}")
                 after, error = following, max(error, missed)
                 sizes.append(after.taken)
         except ConvergenceError:
@@ -167,6 +169,7 @@ def periods(
         change = np.abs(image - before)
         # of a bed that stores nothing 0 in its first period
         largest = float(np.max(change, initial=0.0))
+        note = f" (the last changed by {largest:.2g}, allowed are {tolerance:.2g})"
         small = largest <= tolerance and (count > 1 or not change.size)
         closed = small and not outdated
         yield Period(count, search.begin, after, sizes, scale, change, closed)

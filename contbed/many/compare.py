@@ -20,6 +20,7 @@ from contbed.many.tables import aligned, write_rows
 from contbed.models import names
 from contbed.output.common_results import Value, common_results
 from contbed.output.folder import prepare_study
+from contbed.output.progress import say
 from contbed.runner import run
 from contbed.scene.names import nearest, several
 from contbed.scene.tables import SceneBase
@@ -122,6 +123,7 @@ def compare(
     out: Path,
     overrides: Mapping[str, Any] | None = None,
     *,
+    quiet: bool = True,
     trust: bool = False,
     allow_large: bool = False,
 ) -> Comparison:
@@ -133,6 +135,7 @@ def compare(
     models : names of models, see `contbed.models.names`
     out : folder; each model writes into a folder of its name in it
     overrides : values of keys, such as {"mesh.refine": 1}
+    quiet : do not show which model runs, nor its progress
 
     Raises
     ------
@@ -152,16 +155,20 @@ def compare(
         for model in chosen
     }
     prepare_study(out, TABLE)
-    outcomes = [_outcome(model, scenes[model], out / model) for model in scenes]
+    outcomes = []
+    for count, (model, loaded) in enumerate(scenes.items(), 1):
+        if not quiet:
+            say(f"{model}: run {count} of {len(scenes)}")
+        outcomes.append(_outcome(model, loaded, out / model, quiet))
     found = Comparison(tuple(outcomes))
     found.write(out)
     return found
 
 
-def _outcome(model: str, scene: SceneBase, folder: Path) -> Outcome:
+def _outcome(model: str, scene: SceneBase, folder: Path, quiet: bool) -> Outcome:
     ignored = tuple(dotted(path) for path in scene.ignored)
     try:
-        result = run(scene, folder)
+        result = run(scene, folder, quiet=quiet)
     except ContbedError as error:
         return Outcome(model, ignored=ignored, problem=str(error))
     tables = {"profiles": result.profiles, **result.tables}

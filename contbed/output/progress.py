@@ -1,4 +1,4 @@
-"""A progress bar on a terminal, and nothing anywhere else."""
+"""Progress of a run on stderr: a bar on a terminal, now and then a line elsewhere."""
 
 from __future__ import annotations
 
@@ -13,27 +13,30 @@ from typing import Any, ClassVar
 INTERVAL = 0.1  # s between redraws
 WAITING = 0.5  # s between redraws of the elapsed time
 SHORTEST = 2.0  # s of a run that has a bar
+PAUSE = 10.0  # s between lines where stderr is no terminal, at least
+GROWTH = 0.1  # of the time so far between such lines, so that long runs write few
 
 
 class Progress:
-    """Bar from 0 to `total` on stderr; silent when `quiet` or when stderr is no
-    terminal.
+    """Bar from 0 to `total` on stderr, or a line every `PAUSE` seconds where stderr is
+    no terminal; silent when `quiet`.
 
     >>> with Progress(10.0, "s", quiet=True) as progress:
     ...     progress.advance_to(2.5, "step 0.1 s")
     """
 
-    # whether a bar is on the terminal, beside which the clock has no place
+    # whether a run shows its progress, beside which the clock has no place
     shown: ClassVar[bool] = False
 
     def __init__(self, total: float, unit: str = "s", quiet: bool = False):
         self.total, self.unit = total, unit
-        self._visible = not quiet and sys.stderr is not None and sys.stderr.isatty()
+        self._visible = not quiet and sys.stderr is not None
         self._bar: Any = None
-        self._drawn = 0.0
+        self._start = time.monotonic()
+        self._next = self._start + PAUSE
 
     def __enter__(self) -> Progress:
-        if self._visible:
+        if self._visible and sys.stderr.isatty():
             from rich.console import Console
             from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
             from rich.progress import Progress as Bar
@@ -49,7 +52,8 @@ class Progress:
             )
             self._bar.start()
             self._bar.add_task("", total=self.total)
-            Progress.shown = True
+            self._next = self._start
+        Progress.shown = self._visible
         return self
 
     def __exit__(
@@ -61,38 +65,60 @@ class Progress:
         if self._bar is not None:
             self._bar.stop()
             self._bar = None
-            Progress.shown = False
+        Progress.shown = False
 
     def advance_to(self, value: float, note: str = "") -> None:
         """Show that `value` of the total is reached."""
-        if self._bar is None:
+        if not self._visible:
             return
         now = time.monotonic()
-        if now - self._drawn < INTERVAL and value < self.total:
+        ended = self._bar is not None and value >= self.total
+        if now < self._next and not ended:
             return
-        self._drawn = now
         text = f"{value:.4g} of {self.total:.4g} {self.unit}" + (
             f", {note}" if note else ""
         )
-        self._bar.update(0, completed=value, description=text, refresh=True)
+        if self._bar is not None:
+            self._next = now + INTERVAL
+            self._bar.update(0, completed=value, description=text, refresh=True)
+            return
+        elapsed = now - self._start
+        self._next = now + max(PAUSE, GROWTH * elapsed)
+        say(f"{text}, {elapsed:.0f} s elapsed")
+
+
+def say(text: str) -> None:
+    """Write a line on stderr at once."""
+    if sys.stderr is not None:
+        print(text, file=sys.stderr, flush=True)
 
 
 @contextmanager
 def waiting() -> Iterator[None]:
-    """Show the elapsed time of a block on a terminal after `SHORTEST`, until the
-    block shows a bar of its own.
+    """Show the elapsed time of a block, on a terminal after `SHORTEST` and elsewhere
+    every `PAUSE` seconds, until the block shows its progress.
     """
-    if sys.stderr is None or not sys.stderr.isatty():
+    if sys.stderr is None:
         yield
         return
     ended = threading.Event()
-    drawing = threading.Thread(target=_draw, args=(ended,), daemon=True)
+    shown = _draw if sys.stderr.isatty() else _say_elapsed
+    drawing = threading.Thread(target=shown, args=(ended,), daemon=True)
     drawing.start()
     try:
         yield
     finally:
         ended.set()
         drawing.join()
+
+
+def _say_elapsed(ended: threading.Event) -> None:
+    start = time.monotonic()
+    pause = PAUSE
+    while not ended.wait(pause) and not Progress.shown:
+        elapsed = time.monotonic() - start
+        say(f"still computing, {elapsed:.0f} s elapsed")
+        pause = max(PAUSE, GROWTH * elapsed)
 
 
 def _draw(ended: threading.Event) -> None:

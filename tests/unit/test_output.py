@@ -15,6 +15,7 @@ import zipfile
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -692,7 +693,24 @@ class FakeTerminal(io.StringIO):
         return True
 
 
-def test_progress_is_silent_in_a_pipe(monkeypatch):
+def test_progress_in_a_pipe_is_a_line_now_and_then(monkeypatch):
+    """Every 10 s at most; the longer a run takes, the fewer."""
+    stream = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", stream)
+    clock = iter([0.0, 9.0, 11.0, 20.0, 22.0, 5000.0, 5020.0, 5510.0])
+    monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=clock.__next__))
+    with Progress(2.0, "s") as bar:
+        for step in range(1, 8):
+            bar.advance_to(0.1 * step, "period 3")
+    assert stream.getvalue().splitlines() == [
+        "0.2 of 2 s, period 3, 11 s elapsed",
+        "0.4 of 2 s, period 3, 22 s elapsed",
+        "0.5 of 2 s, period 3, 5000 s elapsed",
+        "0.7 of 2 s, period 3, 5510 s elapsed",
+    ]
+
+
+def test_short_and_quiet_runs_show_no_progress_in_a_pipe(monkeypatch):
     stream = io.StringIO()
     monkeypatch.setattr(sys, "stderr", stream)
     with Progress(1.0, "s") as bar:
@@ -705,8 +723,9 @@ def test_progress_is_silent_in_a_pipe(monkeypatch):
 
 
 def test_the_clock_is_shown_where_a_run_tells_nothing(monkeypatch):
-    """From SHORTEST on; not for a run that ends before, nor in a pipe."""
+    """From SHORTEST on, in a pipe from PAUSE on; not for a run that ends before."""
     monkeypatch.setattr(progress, "SHORTEST", 0.05)
+    monkeypatch.setattr(progress, "PAUSE", 0.05)
     monkeypatch.setattr(progress, "WAITING", 0.01)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "120")
@@ -720,8 +739,8 @@ def test_the_clock_is_shown_where_a_run_tells_nothing(monkeypatch):
         with progress.waiting():
             time.sleep(seconds)
         shown.append(stream.getvalue())
-    assert "0 s" in shown[0]
-    assert shown[1:] == ["", ""]
+    assert "0 s" in shown[0] and shown[1] == ""
+    assert shown[2].startswith("still computing, 0 s elapsed")
     terminal = FakeTerminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     with progress.waiting(), Progress(1.0) as bar:

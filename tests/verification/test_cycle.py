@@ -109,8 +109,10 @@ def test_the_plan_says_what_is_known_of_the_steps_and_the_bar_shows_the_period(
     )
     found = run(load(path), quiet=False)
     shown = list(dict.fromkeys(notes))
-    assert shown[:2] == ["period 1", "period 2"]
-    assert f"period {found.qoi['cycle_periods']}" in shown
+    assert shown[0] == "period 1" and shown[1].startswith("period 2 (the last changed")
+    last = f"period {found.qoi['cycle_periods']} (the last changed by"
+    shown = [note for note in shown if note.startswith(last)]
+    assert len(shown) == 1 and shown[0].endswith("allowed are 1e-08)")
 
 
 @pytest.mark.slow

@@ -103,7 +103,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "howto" / "compare.md"
 SETTLING = 0.01  # of the pressure drop: the beads have settled after two seconds
 
 
-def test_the_bed_of_the_manual_is_the_same_by_three_models(tmp_path):
+def test_the_bed_of_the_manual_is_the_same_by_three_models(tmp_path, capsys):
     """Packed bed, two fluids at rest and a bubbling bed below fluidization, in a bed
     that has the temperature of the gas: only rounding and the solvers' tolerances
     are left.
@@ -112,7 +112,9 @@ def test_the_bed_of_the_manual_is_the_same_by_three_models(tmp_path):
     text = PAGE.read_text(encoding="utf-8").partition("```toml\n")[2]
     file.write_text(text.partition("```")[0].replace("350 K", "400 K"))
     models = ["packed_bed", "two_fluid", "bubbling_bed"]
-    found = compare(file, models, tmp_path / "out", {"time.end": 2.0})
+    found = compare(file, models, tmp_path / "out", {"time.end": 2.0}, quiet=False)
+    begun = [line for line in capsys.readouterr().err.splitlines() if ": run" in line]
+    assert begun == [f"{name}: run {k} of 3" for k, name in enumerate(models, 1)]
     packed, fluids, bubbling = (outcome.results for outcome in found.outcomes)
     assert [outcome.problem for outcome in found.outcomes] == ["", "", ""]
     for name in ("T_gas_mean", "T_solids_mean"):
