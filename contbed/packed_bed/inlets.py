@@ -33,6 +33,8 @@ def key_of(
 ) -> KeyPath:
     """Return the key of the table of a phase at a boundary, or of a `key` in it."""
     table = boundary.get(name)
+    if table is not None and table.temperature is not None:
+        return ("boundary", name, "temperature")
     return ("boundary", name, *(() if table is None else table.key(phase)), *key)
 
 

@@ -179,7 +179,7 @@ def curved_inlet(scene: s.Scene) -> str:
 
 
 def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
-    """Return "inlet", "outlet", "slip" or "no_slip" of one boundary."""
+    """Return "inlet", "outlet", "wall" or "no_slip" of one boundary."""
     given = role(scene.mesh, tuple(velocity.tolist()), name, scene.boundary)
     if given is not None:
         return given
@@ -200,7 +200,7 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
         raise SceneError(
             f"{scene.origin.name}: boundary.{name}: the gas enters through "
             f"'{entered}', which is curved, so that its way is not known: say "
-            f'[boundary.{name}] type = "outlet", "slip" or "no_slip"'
+            f'[boundary.{name}] type = "outlet", "wall" or "no_slip"'
         )
     from contbed.packed_bed.flow import constant_normal
 
@@ -214,13 +214,13 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
         raise SceneError(
             f"{scene.origin.name}: boundary.{name} is neither along nor across the "
             "flow; "
-            f'say [boundary.{name}] type = "inlet", "outlet", "no_slip" or "slip"'
+            f'say [boundary.{name}] type = "inlet", "outlet", "wall" or "no_slip"'
         )
     return "slip" if abs(across) <= 1e-9 else "inlet" if across < 0 else "outlet"
 
 
 def roles_in_flow(scene: s.Scene, mesh: Mesh) -> dict[str, str]:
-    """Return "inlet", "outlet", "slip" or "no_slip" of each boundary."""
+    """Return "inlet", "outlet", "wall" or "no_slip" of each boundary."""
     velocity = velocities(scene)[0]
     return {name: role_in_flow(scene, mesh, name, velocity) for name in mesh.boundaries}
 

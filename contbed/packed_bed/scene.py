@@ -44,7 +44,11 @@ from contbed.scene.quantities import (
     form,
     takes,
 )
-from contbed.scene.series import TemperatureOrProfile, VelocityOrSeries
+from contbed.scene.series import (
+    TemperatureOrProfile,
+    TemperatureOrSeries,
+    VelocityOrSeries,
+)
 from contbed.scene.tables import (
     ConductivityOrClosure,
     FieldOutput,
@@ -184,14 +188,16 @@ class PhaseCondition(ThermalCondition):
         return self.emissivity is None
 
 
-def _slip_of_symmetry(kind: str) -> str:
-    """Return "slip" for a plane of symmetry, which is the same without heat."""
-    return "slip" if kind == "symmetry" else kind
+def _slip(kind: str) -> str:
+    """Return "slip" for a wall, which is frictionless unless it is said to be "no_slip",
+    and for a plane of symmetry.
+    """
+    return "slip" if kind in ("wall", "symmetry") else kind
 
 
 Side = Annotated[
-    Literal["inlet", "outlet", "no_slip", "slip", "symmetry"],
-    AfterValidator(_slip_of_symmetry),
+    Literal["inlet", "outlet", "wall", "no_slip", "slip", "symmetry"],
+    AfterValidator(_slip),
 ]
 
 
@@ -204,6 +210,8 @@ class Boundary(WallHeat):
 
     type: Side | None = None
     """absent: inlet or outlet by the sign of the velocity, slip on walls"""
+    temperature: TemperatureOrSeries | None = None
+    """of a wall, which both phases take"""
     gas: PhaseCondition | None = None
     """conditions of the gas"""
     solids: dict[str, PhaseCondition] = Field(default_factory=dict)
@@ -213,19 +221,34 @@ class Boundary(WallHeat):
 
     @model_validator(mode="after")
     def _heat_once(self) -> Boundary:
-        if self.passes_heat and (self.gas is not None or self.solids):
+        if self.temperature is not None:
+            if self.passes_heat:
+                raise ValueError("give temperature, coefficient or heat_flux")
+            if self.type in (None, "inlet", "outlet"):
+                raise ValueError(
+                    "temperature is that of a wall, which both phases take: give "
+                    'type = "wall" with it; gas.temperature is that of a stream'
+                )
+        if self.whole and (self.gas is not None or self.solids):
             raise ValueError(
                 "give heat through the wall here, for the whole bed, or in gas and "
                 "solids.NAME, not in both"
             )
         return self
 
+    @property
+    def whole(self) -> bool:
+        """Whether the thermal condition is that of the whole bed."""
+        return self.passes_heat or self.temperature is not None
+
     def condition(self, phase: str) -> PhaseCondition | None:
         """Return the table of a phase, "fluid" or "solid"; None if there is none."""
-        if self.passes_heat:
+        if self.whole:
             keys = ("coefficient", "ambient", "heat_flux")
             given = {key: getattr(self, key) for key in keys}
-            return PhaseCondition.model_construct(**given)
+            return PhaseCondition.model_construct(
+                fixed_temperature=self.temperature, **given
+            )
         if phase == "fluid":
             return self.gas
         return next(iter(self.solids.values()), None)
@@ -246,7 +269,7 @@ class Boundary(WallHeat):
         """Return the key of the table of a phase, "fluid" or "solid", below that of
         the boundary.
         """
-        if self.passes_heat:
+        if self.whole:
             return ()
         return ("gas",) if phase == "fluid" else ("solids", *list(self.solids)[:1])
 

@@ -168,12 +168,19 @@ class Wall(Part):
     heat_flux: HeatFlux | None = None
     """into the bed; the phases share it by their fractions"""
 
-    wall_heat: WallCoefficientOrClosure | None = Field(
+    coefficient: WallCoefficientOrClosure | None = Field(
         None, json_schema_extra=takes("bed_tube")
     )
-    """with a temperature: of this wall, as closures.wall_heat"""
+    """of this wall, to `ambient`, in place of closures.wall_heat"""
+    ambient: Temperature | None = None
+    """temperature of the surroundings of the wall"""
     emissivity: Emissivity | None = None
     """of the wall; absent: no radiation between it and particles"""
+
+    @property
+    def outside(self) -> float | None:
+        """Temperature that the wall exchanges heat with [K]."""
+        return self.ambient if self.temperature is None else self.temperature
 
     @property
     def solid(self) -> SolidAtWall:

@@ -92,7 +92,7 @@ def given_temperatures(scene: t.TwoFluidScene) -> list[float]:
     boundaries.
     """
     streams = of_kind(scene.boundary, Inlet).values()
-    values = [part.temperature for part in of_kind(scene.boundary, Wall).values()]
+    values = [part.outside for part in of_kind(scene.boundary, Wall).values()]
     for part in (*scene.initial.parts, *streams):
         values += [part.gas.temperature, part.solid.temperature]
     return [value for value in values if value is not None]

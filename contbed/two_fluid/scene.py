@@ -55,6 +55,7 @@ if TYPE_CHECKING:
 
 Angle = Annotated[float, *unit("rad"), Field(gt=0, lt=1.5)]
 Named = Annotated[tables.Named, Discriminator(form)]
+NamedOrFile = Annotated[tables.NamedOrFile, Discriminator(form)]
 
 
 class TwoFluid(Table):
@@ -105,7 +106,7 @@ class Closures(Table):
     """the same of their filtered viscosity"""
     nusselt: NonNegativeOrClosure = "nusselt_gunn"
     """exchange, Nu = h diameter/gas.conductivity"""
-    conductivity_bed: Named | None = Field(
+    conductivity_bed: NamedOrFile | None = Field(
         None, json_schema_extra=takes("conductivity")
     )
     """of the bed at rest; the gas has (1 - sqrt(eps_s)) of gas.conductivity of it,

@@ -280,10 +280,18 @@ def test_results_of_a_wall():
     assert "heat_right_W" not in found
 
 
-@pytest.mark.parametrize("place", ["closures__wall_heat", "boundary__left__wall_heat"])
-def test_a_coefficient_is_between_wall_and_cell(place):
+def own_law(law):
+    """Changes that give the hot wall a law of its own."""
+    wall = {"type": "wall", "coefficient": law, "ambient": 380.0}
+    return {"boundary__left": wall}
+
+
+@pytest.mark.parametrize(
+    "changes", [{"closures__wall_heat": 200.0}, own_law(200.0)], ids=["all", "own"]
+)
+def test_a_coefficient_is_between_wall_and_cell(changes):
     """A number: heat h (T_wall - T) of the cell, exact with its capacity alone."""
-    made = in_scene(2, **{place: 200.0})
+    made = in_scene(2, **changes)
     del made["closures"]["conductivity_bed"]
     found = cb.run(from_dict(made))
     # the cell of 0.05 m alone: gas and particles follow each other
@@ -312,7 +320,7 @@ def test_closures_of_walls_by_name():
     assert result.qoi["coefficient_left_W_m2K"] == approx(float(h), rel=0.02)
     assert "bed_tube_kunii_levenspiel_packet" in {c["name"] for c in result.closures}
     martin = {"name": "martin", "molar_mass": 0.029}
-    changes = {"boundary__left__wall_heat": martin, "two_fluid__gravity": 9.81}
+    changes = own_law(martin) | {"two_fluid__gravity": 9.81}
     loose = in_scene(4, **changes, initial__solids__beads__volume_fraction=0.45)
     assert cb.run(from_dict(loose)).qoi["coefficient_left_W_m2K"] > 40.0
 
@@ -337,6 +345,31 @@ provenance.scene = "a wall of spheres"
     made = in_scene(2, closures__wall_heat={"file": "wall.toml"})
     found = cb.run(from_dict(made, base=tmp_path)).qoi
     assert found["coefficient_left_W_m2K"] == approx(300.0, rel=0.02)
+
+
+def test_a_closure_file_of_the_conductivity_of_the_bed(tmp_path):
+    """A file of 0.4/0.026 times the gas's conductivity: the heat of a half space."""
+    (tmp_path / "bed.toml").write_text(
+        """
+format = 1
+kind = "conductivity"
+form = "log_polynomial"
+variables.eps = { scale = "log", reference = 0.42 }
+terms = [
+    { powers = [0], value = 2.7333680, interval = [2.7, 2.8] },
+    { powers = [1], value = 0.0, interval = [-0.1, 0.1] },
+]
+range.eps = [0.3, 0.6]
+residuals.points = 3
+provenance.scene = "a packing of spheres"
+"""
+    )
+    made = in_scene(20, closures__conductivity_bed={"file": "bed.toml"})
+    del made["solids"]["beads"]["conductivity"]
+    found = cb.run(from_dict(made, base=tmp_path)).qoi
+    capacity = 0.42 * 1.2 * 1005.0 + 0.58 * 2600.0 * 800.0
+    exact = 2.0 * 80.0 * np.sqrt(0.4 * capacity / np.pi)
+    assert found["heat_left_W"] == approx(exact, rel=AT_REST)
 
 
 def test_thin_cells_beside_a_coefficient_warn():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contbed as cb
+from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.many.compare import compare
 
@@ -124,3 +125,90 @@ def test_the_bed_of_the_manual_is_the_same_by_three_models(tmp_path, capsys):
     # Ergun's law in both; constant properties are those at 400 K
     drop = packed["pressure_drop"].value
     assert fluids["pressure_drop"].value == pytest.approx(drop, rel=SETTLING)
+
+
+BETWEEN_PLATES = """
+[mesh]
+type = "rectangle"
+length = "20 mm"
+height = "5 mm"
+cells = [20, 2]
+
+[gas]
+density = 1.1
+viscosity = 1.9e-5
+heat_capacity = 1006.0
+conductivity = 0.028
+
+[solids.glass]
+diameter = "0.5 mm"
+density = 2500.0
+heat_capacity = 840.0
+conductivity = 1.0
+
+[closures]
+nusselt = "nusselt_gunn"
+conductivity_gas = 0.0            # of the packed bed
+conductivity_solids = 0.2
+
+[heat]
+
+[boundary.left]
+type = "wall"
+temperature = 353.15
+
+[boundary.right]
+type = "wall"
+temperature = 293.15
+
+[boundary.bottom]
+type = "wall"
+
+[boundary.top]
+type = "wall"
+
+[initial]
+gas.temperature = 293.15
+solids.glass = { temperature = 293.15, volume_fraction = 0.6 }
+
+[time]
+end = 120.0
+longest = 0.5                     # step of two fluids
+
+[packed_bed]
+porosity = 0.4
+
+[two_fluid]
+conductivity_solids = 0.333333333 # times the solids fraction: that of the packed bed
+"""
+
+
+def test_a_bed_between_plates_by_two_models(tmp_path):
+    """Walls with a temperature: one file, and the series of a slab, within 0.1 % of
+    the rise of its mean.
+    """
+    (tmp_path / "bed.toml").write_text(BETWEEN_PLATES, encoding="utf-8")
+    models = ["packed_bed", "two_fluid"]
+    made = compare(tmp_path / "bed.toml", models, tmp_path / "runs").outcomes
+    capacity = 0.6 * 2500.0 * 840.0 + 0.4 * 1.1 * 1006.0
+    n = np.arange(1, 60, 2)
+    decay = np.exp(-((n * np.pi / 0.02) ** 2) * 0.2 / capacity * 120.0)
+    mean = 293.15 + 60.0 * (0.5 - np.sum(4.0 / (n * np.pi) ** 2 * decay))
+    for outcome in made:
+        assert not outcome.problem
+        found = outcome.results["T_solids_mean"].value
+        assert found == pytest.approx(mean, abs=1e-3 * (mean - 293.15))
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"boundary.left.type": "inlet"}, "gas.temperature is that of a stream"),
+        ({"boundary.left.gas.heat_flux": 1.0}, "not in both"),
+        ({"boundary.left.heat_flux": 1.0}, "temperature, coefficient or heat_flux"),
+    ],
+)
+def test_walls_have_one_condition_of_the_whole_bed(changes, text):
+    """A temperature that both phases take stands alone, and at walls."""
+    with pytest.raises(SceneError, match=text):
+        loads(BETWEEN_PLATES, overrides={"model": "packed_bed"} | changes)

@@ -61,23 +61,30 @@ def heat_is_complete(
                     "missing; [heat] needs it",
                 )
     for name, wall in of_kind(boundary, Wall).items():
-        if wall.temperature is None:
-            for key in ("wall_heat", "emissivity"):
-                if getattr(wall, key) is not None:
-                    yield ("boundary", name, key), "has no meaning without temperature"
-        else:
-            if wall.heat_flux is not None:
+        if (wall.coefficient is None) != (wall.ambient is None):
+            key = "ambient" if wall.coefficient is None else "coefficient"
+            yield ("boundary", name, key), "coefficient and ambient belong together"
+        ways = [wall.temperature, wall.ambient, wall.heat_flux]
+        if sum(way is not None for way in ways) > 1:
+            yield (
+                ("boundary", name),
+                "give temperature, or coefficient and ambient, or heat_flux",
+            )
+        if wall.outside is None:
+            if wall.emissivity is not None:
                 yield (
-                    ("boundary", name, "heat_flux"),
-                    "give either temperature or heat_flux",
+                    ("boundary", name, "emissivity"),
+                    "has no meaning without temperature or ambient",
                 )
-            choice = closures.wall_heat if wall.wall_heat is None else wall.wall_heat
-            if is_layer(choice) and not conducts(closures, two_fluid):
-                text = (
-                    "heats nothing without closures.conductivity_bed, "
-                    "two_fluid.conductivity_gas or _solids, or a number or closure for wall_heat"
-                )
-                yield ("boundary", name, "temperature"), text
+            continue
+        choice = closures.wall_heat if wall.coefficient is None else wall.coefficient
+        if is_layer(choice) and not conducts(closures, two_fluid):
+            text = (
+                "heats nothing without closures.conductivity_bed, "
+                "two_fluid.conductivity_gas or _solids, or a number or closure for the "
+                "coefficient"
+            )
+            yield ("boundary", name, "temperature"), text
 
 
 def nothing_is_heated_without_heat(
@@ -92,7 +99,7 @@ def nothing_is_heated_without_heat(
     given += [
         ("boundary", name, key)
         for name in boundary
-        for key in ("heat_flux", "wall_heat", "emissivity")
+        for key in ("heat_flux", "coefficient", "emissivity")
         if getattr(boundary[name], key, None)
     ]
     for path in given:
@@ -121,7 +128,8 @@ def properties_of_heat_are_given(
             yield ("gas", key), "missing; [heat] needs it"
     if solid.heat_capacity is None:
         yield ("solids", name, "heat_capacity"), "missing; [heat] needs it"
-    if closures.conductivity_bed is not None and solid.conductivity is None:
+    by_name = isinstance(closures.conductivity_bed, str | Closure)
+    if by_name and solid.conductivity is None:
         yield (
             ("solids", name, "conductivity"),
             "missing; closures.conductivity_bed needs it",
@@ -168,7 +176,7 @@ def _wall_laws_exist(
 ) -> Mistakes:
     """Check what walls have."""
     for place, spec in specs(closures, boundary).items():
-        path = ("boundary", place, "wall_heat")
+        path = ("boundary", place, "coefficient")
         where = ("closures", "wall_heat") if place == EVERYWHERE else path
         if is_layer(spec):
             extra = spec.model_extra or {} if isinstance(spec, Closure) else {}
@@ -235,6 +243,7 @@ def _temperatures(
     for where, part in places(initial, boundary):
         if isinstance(part, Wall):
             yield (*where, "temperature"), part.temperature
+            yield (*where, "ambient"), part.ambient
         elif not isinstance(part, Periodic | Outlet | Symmetry):
             yield (*where, "gas", "temperature"), part.gas.temperature
             for name, solid in part.solids.items():

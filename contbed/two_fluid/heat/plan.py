@@ -86,10 +86,10 @@ def thermal(parts: Mapping[str, Any], scene: t.TwoFluidScene) -> dict[str, Therm
             T_gas = part.gas.temperature
             found[name] = Thermal(T_gas, part.solid.temperature or T_gas)
         elif isinstance(part, Wall):
-            heated = part.temperature is not None
+            heated = part.outside is not None
             more = wall_laws.condition(name, part, scene) if heated else {}
             flux = part.heat_flux or 0.0
-            found[name] = Thermal(wall=part.temperature, flux=flux, **more)
+            found[name] = Thermal(wall=part.outside, flux=flux, **more)
     return found
 
 

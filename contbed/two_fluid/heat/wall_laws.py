@@ -63,9 +63,9 @@ def specs(closures: t.Closures, boundary: dict[str, Boundary]) -> dict[str, Any]
     of their own.
     """
     own = {
-        name: part.wall_heat
+        name: part.coefficient
         for name, part in of_kind(boundary, Wall).items()
-        if part.wall_heat is not None
+        if part.coefficient is not None
     }
     return {EVERYWHERE: closures.wall_heat, **own}
 

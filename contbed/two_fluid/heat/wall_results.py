@@ -65,7 +65,7 @@ def judge(bed: Simulation) -> list[str]:
     return found + [
         f"boundary.{name}: {count} of {total} cells beside it are thinner than the layer "
         "k/h that its coefficient stands for, whose own resistance adds to it; make them thicker, or "
-        'take wall_heat = "penetration"'
+        'take closures.wall_heat = "penetration"'
         for name, count, total in _thin_cells(bed)
         if count > 0.5 * total
     ]
