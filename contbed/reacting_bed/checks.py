@@ -4,22 +4,25 @@ value is valid.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from contbed.chemistry.checks import reaction_is_whole
 from contbed.chemistry.elements import molar_mass_of
 from contbed.chemistry.laws import find_law
-from contbed.chemistry.rate_formula import QUOTIENT, SI_OF_BASIS
 from contbed.chemistry.species import atoms_of
 from contbed.closures.binding import named
-from contbed.closures.formula import parse_formula, require_names
 from contbed.closures.packed_beds import gas_conducts_twice, unusable
 from contbed.errors import SceneError
 from contbed.materials.composition import require_sum
 from contbed.reacting_bed import curve_checks, phase_checks, stream_checks
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.closures import bound, places_of
+from contbed.reacting_bed.formula_checks import (
+    conversions_are_known,
+    formulas_can_be_read,
+    species_named,
+)
 from contbed.reacting_bed.inlet_series import SUM, CompositionSeries
 from contbed.reacting_bed.inside_checks import (
     adsorbed_gases_are_there,
@@ -33,7 +36,6 @@ from contbed.reacting_bed.phase_checks import (
     Boundaries,
     Reactions,
     Solids,
-    stoichiometry,
 )
 from contbed.reacting_bed.schedule_checks import (
     a_cycle_changes_something,
@@ -45,8 +47,6 @@ from contbed.reacting_bed.schedule_checks import (
 )
 from contbed.reacting_bed.substances import (
     constituents_of,
-    fed_to,
-    gases_named,
     mechanism_of,
 )
 from contbed.scene.checking import Check, Mistakes
@@ -55,12 +55,6 @@ from contbed.scene.mesh import MeshLine
 from contbed.scene.mesh_checks import positions_lie_in_the_bed
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
-from contbed.scene.units import (
-    base_value,
-    exponents,
-    factor_and_offset,
-    number_and_unit,
-)
 
 MOST_OF_A_DUCT = 8  # rings; a step of 16 takes two minutes and 11 GB
 LARGEST_CAPACITY = 4000.0  # of a solid [J/kg/K]; lithium has 3600, wood 2500
@@ -120,98 +114,6 @@ def reactions_are_whole(
             )
 
 
-def formulas_can_be_read(
-    reactions: Reactions,
-    gas: s.Mixture,
-    boundary: Boundaries,
-    solids: Solids,
-    origin: Origin,
-) -> Mistakes:
-    """Check formulas of rates: names, units of parameters and of the rate."""
-    formulas = {
-        name: table for name, table in reactions.items() if table.rate is not None
-    }
-    species = (
-        _species_named(gas, boundary, solids, reactions, origin) if formulas else None
-    )
-    if species is None:
-        return
-    gases, constituents = species
-    for name, table in formulas.items():
-        path: KeyPath = ("reactions", name, "rate")
-        for key, value in table.parameters.items():
-            if isinstance(value, str):
-                try:
-                    base_value(value)
-                except ValueError as error:
-                    yield ("reactions", name, "parameters", key), str(error)
-                    return
-        known = {"T", "p", "R", "eps", "X", *table.parameters}
-        known |= {f"{of}_{name}" for name in gases for of in "cxp"} | {
-            f"n_{name}" for name in constituents
-        }
-        if "<->" in (table.equation or "") and gases.issuperset(
-            stoichiometry(name, table)
-        ):
-            known.add(QUOTIENT)
-        try:
-            require_names(parse_formula(str(table.rate)), sorted(known))
-        except SceneError as error:
-            yield path, str(error)
-            continue
-        basis = table.basis or (
-            "particle" if constituents & set(stoichiometry(name, table)) else "gas"
-        )
-        wanted = SI_OF_BASIS[basis]
-        if table.unit is None or table.unit == wanted:
-            continue
-        found = factor_and_offset(table.unit, wanted)
-        if found is None:
-            text = f"is no unit of a rate per {basis}; give one such as {wanted}"
-            yield ("reactions", name, "unit"), text
-        elif found[0] != 1.0:
-            for key in _rate_constants(table.parameters):
-                yield (
-                    ("reactions", name, "unit"),
-                    f"parameters.{key} has a unit and is taken in SI, so that the "
-                    f"formula gives {wanted}: remove unit, or give the parameter as a "
-                    "plain number",
-                )
-
-
-def _rate_constants(parameters: Mapping[str, float | str]) -> Iterator[str]:
-    """Yield the parameters with a unit that counts per time: an odd power of it, which
-    energies and pressures do not have.
-    """
-    for key, value in parameters.items():
-        if isinstance(value, str):
-            _, unit = number_and_unit(value)
-            if exponents(unit).get("second", 0.0) % 2.0:
-                yield key
-
-
-def _species_named(
-    gas: s.Mixture,
-    boundary: Boundaries,
-    solids: Solids,
-    reactions: Reactions,
-    origin: Origin,
-) -> tuple[set[str], set[str]] | None:
-    """Return names that may be gases, and those that may be constituents; None where
-    a composition cannot be read.
-    """
-    try:
-        gases = {*gases_named(gas, boundary, origin.base), *gas.species}
-        constituents = set(constituents_of(solids))
-        for solid in solids.values():
-            constituents |= set(fed_to(solid))
-    except SceneError:
-        return None  # other checks say so
-    for name, table in reactions.items():
-        gases |= set(stoichiometry(name, table)) - constituents
-    return gases, constituents
-
-
 def orders_name_species(
     reactions: Reactions,
     gas: s.Mixture,
@@ -222,7 +124,7 @@ def orders_name_species(
     """Check that orders refer to species of the scene."""
     if isinstance(gas, s.GasCantera):
         return  # any species of the mechanism
-    species = _species_named(gas, boundary, solids, reactions, origin)
+    species = species_named(gas, boundary, solids, reactions, origin)
     known = sorted(set().union(*species)) if species is not None else []
     for name, table in reactions.items() if species is not None else ():
         for each in table.orders or {}:
@@ -385,6 +287,7 @@ CHECKS: tuple[Check, ...] = (
     the_parameter_is_a_number,
     reactions_are_whole,
     formulas_can_be_read,
+    conversions_are_known,
     orders_name_species,
     phase_checks.steady_states_exist,
     phase_checks.particles_are_known,

@@ -95,8 +95,9 @@ class Reaction(Table):
     law: str | None = None
     """power, grain, grain_remaining, shrinking_core, or a law with a name"""
     rate: str | None = None
-    """formula instead, of T, p_X, c_X, x_X, n_X, X, R, parameters, and Q_over_K of a
-    reversible reaction of gases, as in k*p_CO*(1 - Q_over_K)"""
+    """formula instead, of T, p, R, eps, parameters, p_A, c_A, x_A of a gas A, n_B of a
+    solid B in moles per volume of the bed, X, the conversion of a solid to another, and
+    Q_over_K of a reversible reaction of gases, as in k*p_CO*(1 - Q_over_K)"""
     unit: str | None = None
     """of the formula, such as kmol/kg/h; absent: SI of the basis"""
     parameters: dict[str, Parameter] = Field(default_factory=dict)

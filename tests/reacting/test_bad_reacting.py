@@ -87,6 +87,41 @@ def test_solids_at_rest_have_no_steady_state():
     refused("are used up: no steady state exists", loads, text)
 
 
+IN_TIME = """
+[time]
+end = 3.0
+"""
+CHAR = """
+composition = "C:1"
+density = 1000.0
+constituent.C.heat_capacity = 20.0
+"""
+GRAINS = "grain_radius = 1e-6\nmolar_density = 1e5\nA = 1.0\nE = 0.0"
+
+
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        ('rate = "0.1*c_O2*(1 - X)"', r"rate = .*: the conversion X counts"),
+        (f'law = "grain"\n{GRAINS}', "law = .*: the law grain counts"),
+        (
+            'law = "shrinking_core"\nA = 1e-3\nE = 0.0\ndiffusivity = 1e-9',
+            "law = .*: the law shrinking_core counts",
+        ),
+    ],
+)
+def test_the_conversion_of_a_solid_that_leaves_as_gas_is_not_known(law, said):
+    """Nothing stays in the bed by which to count what has reacted."""
+    text = GOOD.replace("CH4 + 2 O2 -> CO2 + 2 H2O", "C + O2 -> CO2")
+    text = filled(text.replace('A = 1.0\nE = "50 kJ/mol"', law), CHAR) + IN_TIME
+    refused(
+        rf"bed\.toml:\d+: reactions.burning.{said} .* write a formula with n_C",
+        loads,
+        text,
+        "bed.toml",
+    )
+
+
 def test_species_without_thermodynamics():
     from contbed import models
 
@@ -114,10 +149,6 @@ def test_gas_that_cannot_pass_is_told():
 FAST = GOOD.replace("temperature = 500.0", "temperature = 700.0").replace(
     'A = 1.0\nE = "50 kJ/mol"', 'A = 1e14\nE = "150 kJ/mol"'
 )
-IN_TIME = """
-[time]
-end = 3.0
-"""
 
 
 def with_pressure(text):
