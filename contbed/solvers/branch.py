@@ -15,7 +15,8 @@ Source: Keller 1977, in Rabinowitz (ed.), Applications of Bifurcation Theory, Ac
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,8 @@ MIN_STEP = 1e-7  # step below which the branch is given up
 MAX_STEP = 0.1
 FIRST_STEP = 0.02
 FOLD_TOLERANCE = 1e-9  # distance along the branch within which a fold is found
+# distance to the next point over the step; a point further aside is on another branch
+MAX_DISTANCE = 2.0
 
 
 @dataclass
@@ -137,8 +140,12 @@ class _Continuation:
         """Return the unit tangent that continues in the direction of the last one."""
         _, solve = self.bordered(x, p, before)
         tx, tp = solve(np.zeros(len(x)), 1.0)
-        length = float(self.metric @ tx**2 + (tp / self.span) ** 2) ** 0.5
+        length = self.distance(tx, tp)
         return tx / length, tp / length
+
+    def distance(self, x: Array, p: float) -> float:
+        """Return the length of a way along the branch."""
+        return float((self.metric @ x**2 + (p / self.span) ** 2) ** 0.5)
 
     def step(self, at: _Point, s: float) -> tuple[_Point, int]:
         """Return the point of the branch at distance `s` (backward if negative) and
@@ -157,16 +164,22 @@ class _Continuation:
                 change, shift = solve(-residual, s - ahead)
             x, p = x + change, p + shift
             if np.abs(self.weights * change).max() <= self.tolerance * self.size:
+                if self.distance(x - at.x, p - at.p) > MAX_DISTANCE * abs(s):
+                    break
                 return _Point(x, p, self.tangent(x, p, at.tangent)), iteration
         raise ConvergenceError(f"branch: a step of {s:.2g} does not converge", [], x)
 
-    def fold(self, a: _Point, length: float) -> _Point:
-        """Find the fold between `a` and the point `length` further, where t_p = 0."""
+    def where(
+        self, value: Callable[[_Point], float], a: _Point, length: float
+    ) -> _Point:
+        """Return the point between `a` and the one `length` further where a value that
+        changes its sign is 0.
+        """
 
-        def direction(s: float) -> float:
-            return self.step(a, s)[0].tangent[1] if s > 0.0 else a.tangent[1]
+        def at(s: float) -> float:
+            return value(self.step(a, s)[0] if s > 0.0 else a)
 
-        return self.step(a, brentq(direction, 0.0, length, xtol=FOLD_TOLERANCE))[0]
+        return self.step(a, brentq(at, 0.0, length, xtol=FOLD_TOLERANCE))[0]
 
 
 @dataclass(frozen=True)
@@ -216,14 +229,15 @@ def trace(
             s *= 0.25
             continue
         if found.tangent[1] * point.tangent[1] < 0:
-            turn = continuation.fold(point, s)
+            turn = continuation.where(_rise, point, s)
             out.folds.append((len(out.parameter), turn.p, turn.x))
             if way.first_fold:
                 out.complete = True
                 break
         if not low <= found.p <= high:
             edge = low if found.p < low else high
-            found = _at(continuation, point, found, edge)
+            last = continuation.where(partial(_beyond, edge), point, s)
+            found = replace(last, p=edge)
             out.complete = True
         out.parameter.append(found.p)
         out.states.append(found.x)
@@ -243,18 +257,11 @@ def trace(
     return out
 
 
-def _at(continuation: _Continuation, a: _Point, b: _Point, p: float) -> _Point:
-    """Return the point with parameter p near the line from a to b, by Newton's
-    method at fixed p.
-    """
-    x = a.x + (p - a.p) / (b.p - a.p) * (b.x - a.x)
-    for _ in range(2 * MAX_ITERATIONS):
-        residual, matrix = continuation.assemble(x, p, True)
-        change = Solver(matrix, continuation.policy)(-residual)
-        x = x + change
-        if (
-            np.abs(continuation.weights * change).max()
-            <= continuation.tolerance * continuation.size
-        ):
-            return _Point(x, p, b.tangent)
-    return b
+def _rise(at: _Point) -> float:
+    """Return the parameter's part of the tangent, which is 0 at a fold."""
+    return at.tangent[1]
+
+
+def _beyond(edge: float, at: _Point) -> float:
+    """Return how far the parameter is beyond an edge of its range."""
+    return at.p - edge
