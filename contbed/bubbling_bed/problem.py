@@ -222,9 +222,9 @@ class BubblingProblem:
 
     # states that no method accepts may leave the range of a property
     @np.errstate(all="ignore")
-    def solve_from(self, x: Array) -> tuple[Array, list[float]]:
+    def solve_from(self, x: Array, near: bool = False) -> tuple[Array, list[float]]:
         """Solve by Newton's method from known temperatures and other unknowns, or by
-        what is slower and safer.
+        what is slower and safer unless they are known to be `near`.
 
         Raises
         ------
@@ -234,7 +234,8 @@ class BubblingProblem:
         """
         history: list[float] = []
         failed: list[Array] = []
-        for way in (self.solve_near, self._unbent, self._marched):
+        ways = (self.solve_near, self._unbent, self._marched)
+        for way in ways[:1] if near else ways:
             if way == self._marched and any(
                 not temperatures(self, x) and fluidization(self, x) for x in failed
             ):

@@ -58,9 +58,14 @@ def settle(
         problem = stretched(before.plan, scene)
         problem.watch = watch
         x = before.unknowns(state)
+        rises = scene.bubbling_bed.settled_height is not None
         try:
-            state, history = problem.solve_from(x)
+            # steps in time would cost more than the way over heights between both, and
+            # may lead to a bed that is out
+            state, history = problem.solve_from(x, near=rises)
         except ConvergenceError as error:
+            if not rises:
+                raise
             x = _followed(before, x, scene, error)
             state, history = problem.solve_from(x)
         result.history += history[1:]
@@ -79,12 +84,13 @@ def _followed(
     problem: BubblingProblem, x: Any, scene: Any, failure: ConvergenceError
 ) -> Any:
     """Return unknowns of a scene whose height is far from that of a problem, followed
-    from the unknowns of that over heights between both.
+    from the unknowns of that over heights between both; those of the problem where
+    they cannot be followed and nothing burns.
 
     Raises
     ------
-    ConvergenceError : they cannot be followed, with what the last state says, or the
-        `failure` of the whole step
+    ConvergenceError : fuel burns and they cannot be followed, with what the last state
+        says and the history of the `failure` of the whole step
     """
     old, bed = problem.plan.scene.bubbling_bed.height, scene.bubbling_bed
     last, at_last = x, problem
@@ -101,6 +107,8 @@ def _followed(
     try:
         return from_easier(at, x)
     except ConvergenceError:
+        if not burns(problem):
+            return x
         raise _no_height(at_last, last, bed.height, failure) from None
 
 
@@ -108,10 +116,8 @@ def _no_height(
     problem: BubblingProblem, x: Any, wanted: float, failure: ConvergenceError
 ) -> ConvergenceError:
     """Return the error of a bed of fuel that was followed to the height of a problem,
-    on the way to the `wanted` one; the `failure` where nothing burns.
+    on the way to the `wanted` one, with the history of the `failure` there.
     """
-    if not burns(problem):
-        return failure
     scene = problem.plan.scene
     why = explained(problem)
     if heat_balance(problem, BURNING).surplus > 0.0:
