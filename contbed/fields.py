@@ -14,7 +14,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -53,6 +53,7 @@ def _read(table: str) -> dict[str, Field]:
     return found
 
 
+CHOSEN = re.compile("NAME|PHASE|PLACE")  # parts of names that the scene chooses
 # coordinates and fields, in profiles, tables and field files
 FIELDS = _read("fields.csv")
 # named results, the keys of `qoi`; most end with their unit
@@ -62,7 +63,7 @@ RESULTS = _read("results.csv")
 def field(name: str) -> Field | None:
     """Find the field of a column by its name without unit; None if there is none.
 
-    "T_sand" is found by "T_NAME", "wall p" of a probe by "p".
+    "T_sand" is found by "T_NAME" and has its own symbol, "wall p" of a probe by "p".
     """
     return _find(name.rpartition(" ")[2], "fields")
 
@@ -76,7 +77,20 @@ def result(key: str) -> Field | None:
 
 def header(name: str) -> str:
     """Return the column header of a field: `header("T_fluid")` is "T_fluid [K]"."""
-    return FIELDS[name].header
+    return f"{name} [{require(name).unit}]"
+
+
+def require(name: str) -> Field:
+    """Return the field of a column that is known to have one.
+
+    Raises
+    ------
+    KeyError : it has none
+    """
+    found = field(name)
+    if found is None:
+        raise KeyError(name)
+    return found
 
 
 def name_of(header: str) -> str:
@@ -112,9 +126,18 @@ def _find(name: str, table: str) -> Field | None:
     known = {"fields": FIELDS, "results": RESULTS}[table]
     if name in known:
         return known[name]
-    return next(
-        (entry for pattern, entry in _patterns(table) if pattern.fullmatch(name)), None
-    )
+    for pattern, entry in _patterns(table):
+        found = pattern.fullmatch(name)
+        if found is not None:
+            return _with_symbol(entry, found.groups())
+    return None
+
+
+def _with_symbol(entry: Field, chosen: tuple[str, ...]) -> Field:
+    """Return an entry whose symbol has the parts that a scene chose."""
+    parts = [part.replace("_", r"\_") for part in chosen]
+    symbol = CHOSEN.sub(lambda _: parts.pop(0), entry.symbol)
+    return replace(entry, symbol=symbol)
 
 
 @cache
@@ -123,11 +146,11 @@ def _patterns(table: str) -> list[tuple[re.Pattern[str], Field]]:
     first.
     """
     entries: Iterable[Field] = {"fields": FIELDS, "results": RESULTS}[table].values()
-    chosen = [entry for entry in entries if re.search("NAME|PHASE|PLACE", entry.name)]
+    chosen = [entry for entry in entries if CHOSEN.search(entry.name)]
     chosen.sort(key=lambda entry: -len(entry.name))
-    parts = ((re.split("NAME|PHASE|PLACE", entry.name), entry) for entry in chosen)
+    parts = ((CHOSEN.split(entry.name), entry) for entry in chosen)
     return [
-        (re.compile(".+".join(map(re.escape, part))), entry) for part, entry in parts
+        (re.compile("(.+)".join(map(re.escape, part))), entry) for part, entry in parts
     ]
 
 

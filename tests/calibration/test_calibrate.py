@@ -52,6 +52,32 @@ keys = { "boundary.left.gas.velocity" = "u" }
 values = [{ quantity = "pressure_drop_Pa", column = "dp", error = "2 %" }]
 predict = { results = ["residence_time_s"] }
 """
+# A decays along an isothermal bed in plug flow: x = 0.1 exp(-k z/u)
+DECAY = """\
+mesh = { type = "line", length = "1 m" }
+reactions.decay = { equation = "A -> B", rate = "k*c_A", basis = "bed", parameters = { k = 0.1 } }
+[gas]
+model = "ideal_gas"
+composition = "A:0.1, N2:0.9"
+species = { A = { elements.C = 1 }, B = { elements.C = 1 }, N2 = {} }
+[solids.catalyst]
+diameter = "3 mm"
+[packed_bed]
+porosity = 0.4
+pressure_drop = "none"
+[boundary.left]
+gas = { velocity = 0.5, temperature = 500 }
+"""
+FRACTIONS = """\
+profiles = false
+[keys]
+reactions.decay.parameters.k = { median = 0.5, factor = 3 }
+[[experiment]]
+scene = "scene.toml"
+file = "fractions.csv"
+position = "z"
+values = [{ quantity = "x_A", column = "x", error = "1 %" }]
+"""
 # a thin bed that a flux heats: dT/dt = q/(C L), the same everywhere
 TANK = """\
 mesh = { type = "line", length = 0.01, cells = 4 }
@@ -204,6 +230,22 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
         "keys.csv", "points.csv", "combinations.csv", "profiles", "fit.png", "residuals.png", "keys.png", FILE,
         "calibrated.toml",
     }  # fmt: skip
+
+
+def test_a_column_of_a_gas_is_fitted(tmp_path, monkeypatch, no_pictures):
+    """Mole fractions along the bed give the constant of the rate."""
+    monkeypatch.chdir(tmp_path)
+    z = np.array([0.1, 0.3, 0.5, 0.8])
+    rows = [f"{at},{0.1 * np.exp(-0.7 / 0.5 * at):.12g}" for at in z]
+    for name, text in (
+        ("scene.toml", DECAY),
+        ("file.toml", FRACTIONS),
+        ("fractions.csv", "\n".join(["z [m],x [1]", *rows])),
+    ):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    found = calibrate("file.toml", "out")
+    # of the estimated error of the cells
+    assert_allclose(found.values["reactions.decay.parameters.k"], 0.7, rtol=1e-4)
 
 
 def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(

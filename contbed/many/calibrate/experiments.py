@@ -16,7 +16,7 @@ import numpy as np
 
 from contbed.arrays import Array, Integers
 from contbed.errors import SceneError
-from contbed.fields import FIELDS
+from contbed.fields import FIELDS, field, require
 from contbed.loading import load
 from contbed.many.calibrate.settings import (
     CalibrationFile,
@@ -196,7 +196,7 @@ def _points(
 ) -> list[Point]:
     """Return the measured values of a column."""
     in_profiles = settings.time is not None or settings.position is not None
-    if in_profiles and value.quantity not in FIELDS:
+    if in_profiles and field(value.quantity) is None:
         hint = nearest_of(value.quantity, list(FIELDS))
         raise SceneError(
             f"{where}: quantity: no profiles have a column '{value.quantity}'; {hint}"
@@ -204,7 +204,7 @@ def _points(
     if not in_profiles:
         _require_result(value.quantity, f"{where}: quantity")
     unit = (
-        FIELDS[value.quantity].unit
+        require(value.quantity).unit
         if in_profiles
         else named_result(value.quantity).unit or "1"
     )
@@ -269,7 +269,7 @@ def _predicted(
             for place in wanted.positions or (
                 sorted({float(v) for v in x}) if settings.position else (NONE,)
             ):
-                yield Point(name, value, FIELDS[value].unit, moment, place, line=at)
+                yield Point(name, value, require(value).unit, moment, place, line=at)
 
 
 def _require_result(name: str, where: str) -> None:

@@ -38,7 +38,7 @@ from pydantic import Field
 from contbed.arrays import Array
 from contbed.closures import registry
 from contbed.errors import SceneError
-from contbed.fields import FIELDS
+from contbed.fields import FIELDS, field, require
 from contbed.loading import load
 from contbed.many.study_file import StudyFile
 from contbed.scene.data_table import read_table
@@ -280,11 +280,11 @@ def read_case(name: str) -> Case:
         file.say(
             ("measured",), f'missing; compare = "{settings.compare}" needs it', key
         )
-    if settings.quantity not in FIELDS:
+    if field(settings.quantity) is None:
         file.fail(
             ("quantity",), f"no such quantity; {nearest(settings.quantity, [*FIELDS])}"
         )
-    unit = FIELDS[settings.quantity].unit
+    unit = require(settings.quantity).unit
     try:
         uncertainty = to_si(settings.uncertainty, unit)
     except ValueError as error:

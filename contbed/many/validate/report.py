@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fields import FIELDS, behind
+from contbed.fields import behind, require
 from contbed.many.tables import aligned
 from contbed.many.validate.deviations import COVERAGE
 from contbed.many.validate.score import Validated
@@ -110,7 +110,7 @@ def _curves(axes: Any, one: Validated) -> None:
     axes.set(
         title=one.case.settings.title,
         xlabel="time [s]" if along is points.t else "position [m]",
-        ylabel=FIELDS[one.case.settings.quantity].label,
+        ylabel=require(one.case.settings.quantity).label,
     )
     axes.legend(fontsize=8, ncols=2)
 
@@ -134,7 +134,7 @@ def _parity(axes: Any, one: Validated) -> None:
         alpha=0.6,
     )
     score = found.scores[-1]
-    label = FIELDS[one.case.settings.quantity].label
+    label = require(one.case.settings.quantity).label
     axes.set(
         title=f"RMS {score.rms:.3g} {one.case.unit}, bias {score.bias:+.3g} "
         f"{one.case.unit}",
@@ -161,7 +161,7 @@ def _traces(axes: Any, one: Validated) -> None:
     )
     axes.plot(t[at_once], values[at_once] - values.mean(), label="predicted")
     axes.set(
-        title=settings.title, xlabel="time [s]", ylabel=FIELDS[settings.quantity].label
+        title=settings.title, xlabel="time [s]", ylabel=require(settings.quantity).label
     )
     axes.legend(fontsize=8)
 
