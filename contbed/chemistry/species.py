@@ -8,7 +8,7 @@ read as a formula.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -74,6 +74,13 @@ def _condensed() -> dict[str, Any]:
     return out
 
 
+def in_other_case(name: str, known: Iterable[str]) -> str:
+    """Return the known name that differs from a name in capital letters alone; empty
+    where there is none.
+    """
+    return next((each for each in known if each.lower() == name.lower()), "")
+
+
 def atoms_of(
     name: str, table: Substance | None, mechanism: Mechanism | None
 ) -> Mapping[str, float]:
@@ -85,9 +92,15 @@ def atoms_of(
     """
     if table is not None and table.elements:
         return table.elements
-    if mechanism is not None and name in mechanism.names:
+    names = () if mechanism is None else mechanism.names
+    if mechanism is not None and name in names:
         return mechanism.atoms(name)
-    return elements_of(name)
+    try:
+        return elements_of(name)
+    except SceneError:
+        if other := in_other_case(name, names):
+            raise SceneError(f"there is no {name}; write {other}") from None
+        raise
 
 
 def _from_table(

@@ -14,6 +14,7 @@ from contbed.chemistry.species import (
     Species,
     condensed_names,
     gas_species,
+    in_other_case,
     solid_species,
 )
 from contbed.chemistry.thermo import Thermo
@@ -194,9 +195,11 @@ def _namer(
 def _unknown(name: str, there: list[str], mechanism: Mechanism | None) -> str:
     """Return the message for a species without data."""
     where = "the mechanism or [gas.species]" if mechanism else "[gas.species]"
+    text = f"{name} is neither a gas of {where} nor a constituent of the solids"
+    if other := in_other_case(name, there):
+        return f"{text}; write {other}"
     return (
-        f"{name} is neither a gas of {where} nor a constituent of the "
-        f"solids{nearest(name, there)}; give its "
+        f"{text}{nearest(name, there)}; give its "
         f"thermodynamics in [gas.species.{name}] or [solids.NAME.constituent.{name}]"
     )
 

@@ -10,6 +10,8 @@ import pytest
 from pytest import approx
 
 import contbed as cb
+from contbed import models
+from contbed.chemistry.elements import ATOMIC_WEIGHTS
 from contbed.loading import loads
 from tests.refusals import refused
 
@@ -68,6 +70,30 @@ def test_heptane_burns(more):
 def test_what_does_not_balance_is_named_by_the_atoms_of_the_mechanism():
     wrong = HEPTANE.replace("7 CO2", "6 CO2")
     refused(r"r\.equation = .*loses 1 atoms of C", loads, wrong, base=DATA)
+
+
+def test_a_name_in_other_letters_leads_to_that_of_the_mechanism():
+    for name in ("nc7h16", "Nc7h16"):
+        wrong = HEPTANE.replace("NC7H16 +", f"{name} +")
+        refused(
+            rf"r\.equation.*there is no {name}; write NC7H16$", loads, wrong, base=DATA
+        )
+    wrong = HEPTANE.replace("NC7H16:0.01", "Co:0.01")
+    scene = loads(wrong, base=DATA)
+    refused(r"Co is neither a gas .*; write CO$", models.plan, scene)
+
+
+def test_every_element_is_known():
+    """Those that have a standard atomic weight, which Cantera has as well."""
+    weights = {}
+    for symbol in cantera.Element.element_symbols:
+        try:
+            weights[symbol] = cantera.Element(symbol).weight
+        except cantera.CanteraError:
+            continue
+    assert ATOMIC_WEIGHTS.keys() == weights.keys()
+    for symbol, weight in weights.items():
+        assert ATOMIC_WEIGHTS[symbol] == approx(1e-3 * weight, rel=1e-4)
 
 
 def test_a_name_with_a_remark_is_a_species():
