@@ -39,10 +39,10 @@ def kind_of_key(key: str, node: schema.Node) -> str | None:
 @cache
 def closure_keys() -> dict[str, str]:
     """Return the kind of closure of each key of all kinds of scenes: "closures.drag"
-    takes "drag".
+    takes "drag". The coefficient of a wall is that of a packed bed.
     """
     found: dict[str, str] = {}
-    for model in MODELS.values():
+    for model in reversed(MODELS.values()):
         for path, kind in _kinds_below(model.scene):
             found.setdefault(".".join(path), kind)
     return found
