@@ -32,6 +32,7 @@ FINE_CELLS = 60  # cells from which a search that fails is not repeated on finer
 # share of the radius; FCC of 75 um in 100 mm, without a solution, has 0.005, 200 um,
 # with one, 0.02
 SHORT_REACH = 0.01
+LEAST_STOKES = 1.0  # below which drag stops particles sooner than shear moves them
 # factors on a granular temperature from which no solution is found
 GUESSES = (0.01, 0.1, 10.0)
 
@@ -119,6 +120,14 @@ def advice(problem: DevelopedProblem) -> str:
     c = problem.c
     if not problem.particles:
         return "raise solver.newton_tolerance"
+    relaxation = c.rho_solid * c.d_p**2 / (18.0 * c.mu_gas)
+    stokes = relaxation * abs(c.velocity) / c.radius
+    if stokes < LEAST_STOKES:
+        return (
+            f"the Stokes number of the particles, {stokes:.2g} by their relaxation time, "
+            "gas_velocity and the radius, is below 1: drag stops their fluctuations, and "
+            "the kinetic theory of this model does not hold for them"
+        )
     theta = problem.plan.scene.developed_flow.granular_temperature_centre or START_THETA
     if (
         "granular_production" not in c.closures

@@ -11,8 +11,11 @@ import pytest
 import contbed as cb
 from contbed.developed_flow import equations as model
 from contbed.developed_flow.problem import DevelopedProblem
+from contbed.developed_flow.run import advice
 from contbed.errors import ConvergenceError
 from contbed.loading import from_dict
+from contbed.models import plan
+from contbed.scene.values import with_value
 from tests.balances import assert_closed
 from tests.refusals import refused
 from tests.scene_text import scene_of
@@ -87,6 +90,14 @@ def test_fine_particles_without_it_end_with_advice():
         match=r'no solution found; .*production = "granular_production_koch"',
     ):
         cb.run(fcc(20))
+
+
+def test_advice_for_particles_that_drag_stops():
+    """The Stokes number rho_s d^2 u/(18 mu R) of 10 um: 0.046."""
+    fine = with_value(fcc(20), ("solids", "beads", "diameter"), 1e-5)
+    text = advice(DevelopedProblem(plan(fine)))
+    assert text.startswith("the Stokes number of the particles, 0.046 ")
+    assert "Stokes" not in advice(DevelopedProblem(plan(fcc(20))))
 
 
 @pytest.mark.slow
