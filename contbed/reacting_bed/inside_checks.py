@@ -231,7 +231,10 @@ def pores_are_those_of_spheres(solids: Solids, reactions: Reactions) -> Mistakes
 def _needless(path: KeyPath, given: Mapping[str, float], gases: set[str]) -> Mistakes:
     """Check that no gas has a diffusivity that no reaction needs."""
     for gas in sorted(set(given) - gases):
-        text = "no reaction in particles that are resolved needs it; remove it"
+        text = (
+            "no reaction in particles that are resolved needs it; remove it; an "
+            "effectiveness factor takes reactions.NAME.diffusivity"
+        )
         yield (*path, "diffusivity", gas), text
 
 

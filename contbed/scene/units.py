@@ -42,6 +42,8 @@ _GAUGE = "; pressures are absolute: add that of the air and write {}"
 _ABSOLUTE = "; pressures are absolute: write {}"
 _FRACTION = re.compile(r"\s*[+-]?\d+(\s+\d+)?\s*/\s*\d")
 _DECIMALS = "; write a fraction with a decimal point"
+# 1000 kg to some, 2000 lb to others
+_TON = re.compile(r"(?<![A-Za-z_])tons?(?![A-Za-z_])")
 _HINTS = {
     "barg": _GAUGE.format("bar"),
     "psig": _GAUGE.format("psi"),
@@ -82,6 +84,8 @@ def to_si(text: str, unit: str) -> float:
     found = _parse(name) if readable else None
     if found is None:
         hint = _DECIMALS if _FRACTION.match(text) else _HINTS.get(name, "")
+        if _TON.search(name):
+            hint = "; write t for 1000 kg, short_ton for 2000 lb"
         raise ValueError(f"unknown unit '{name[:60]}'{hint}; {expected}")
     registry = _registry()
     wanted = _parse("" if unit == "1" else unit)
@@ -128,6 +132,8 @@ def _parse(name: str) -> Unit | None:
     """Return pint's unit of a name, or None; "kg/m3" and "W m-2" are read like
     "kg/m**3" and "W m**-2".
     """
+    if _TON.search(name):
+        return None
     for spelling in (name, re.sub(r"([A-Za-z])(-?\d)", r"\1**\2", name)):
         try:
             return _registry().parse_units(spelling)
