@@ -16,6 +16,7 @@ from contbed.dem.particles import Material
 from contbed.dem.scene import SOLID_SHARE
 from contbed.dem.softness import DENSER, too_soft
 from contbed.errors import SceneError
+from contbed.scene import moments
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.gas import GasCantera, GasConstant, GasCoolProp
 from contbed.scene.solids import the_only
@@ -166,14 +167,12 @@ def particles_have_a_temperature(
 
 
 def times_are_in_order(time: g.GasTime, see: See) -> Mistakes:
-    """Require at least one sample between the start of the averages and the end of
-    the run.
-    """
+    """Require averages that begin before the end of the run and last for a sample."""
     end = see("time.end")
     if time.average_from >= time.end:
         yield ("time", "average_from"), f"is not before the end; see {end}"
     if time.sample > time.end - time.average_from:
-        text = f"no sample between average_from and end; see {end}"
+        text = f"longer than the averages, from average_from to end; see {end}"
         yield ("time", "sample"), text
 
 
@@ -341,6 +340,13 @@ def cells_are_larger_than_particles(particles: g.GasParticles) -> Mistakes:
             )
 
 
+def times_are_within_the_run(time: g.GasTime, boundary: g.Boundary) -> Mistakes:
+    """Look for what is written or switched after the end of the run."""
+    yield from moments.of_output(time, time.sample)
+    if boundary.jet is not None:
+        yield from moments.of_inlet(("boundary", "jet"), boundary.jet.until, time.end)
+
+
 def contacts_have_a_stiffness(
     particles: g.GasParticles, solids: Solids, closures: g.Closures
 ) -> Mistakes:
@@ -414,5 +420,6 @@ WARNINGS = (
     cells_lie_inside_of_the_bed,
     cells_are_larger_than_particles,
     spheres_bear_the_bed,
+    times_are_within_the_run,
     contacts_have_a_stiffness,
 )

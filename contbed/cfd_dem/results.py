@@ -86,6 +86,7 @@ def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) ->
     }
     columns = history.columns
     late = columns["t [s]"] >= plan.scene.time.average_from * (1.0 - 1e-9)
+    lasted = np.diff(columns["t [s]"], prepend=0.0)
     for name in ("pressure_drop [Pa]", "height [m]"):
         result.qoi[name] = float(columns[name][late].mean())
     if history.levels.heights:
@@ -100,7 +101,7 @@ def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) ->
         result.closures.append(tube.heat.tube.nusselt.use().to_dict())
     for name in history.heating:
         result.qoi[f"heat_tube_{name} [W]"] = float(
-            columns[f"{name} heat_tube [W]"][late].mean()
+            np.average(columns[f"{name} heat_tube [W]"][late], weights=lasted[late])
         )
     _fill_ranges(result, plan, bed, history)
 

@@ -6,11 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contbed.arrays import Array
 from contbed.cfd_dem.closures import bound
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
@@ -39,7 +41,7 @@ RESTART_MAY_CHANGE = (
     "output.fields",
 )
 
-
+ROUNDING = 1e-9  # share by which times that are the same may differ
 # arrays of a checkpoint that are longer later in a run
 GROWS = ("rows", "file_times", "Re", "eps", *(f"particles_{name}" for name in LISTS))
 
@@ -153,7 +155,9 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
 def _open_inlet(scene: GasScene, bed: Bed) -> None:
     """Set the inlet as it is at the time of the bed: with the jet until it ends."""
     inlet, jet = scene.inlet, scene.boundary.jet
-    if jet is None or (jet.until is not None and bed.time >= jet.until * (1.0 - 1e-9)):
+    until = None if jet is None else jet.until
+    ended = until is not None and bed.time >= until * (1.0 - ROUNDING)
+    if jet is None or ended:
         bed.gas.inlet(inlet.velocity, inlet.temperature)
         return
     T, slot, speed = scene.T_jet, (jet.start, jet.end), jet.gas.velocity
@@ -166,21 +170,30 @@ def _open_inlet(scene: GasScene, bed: Bed) -> None:
 def _march(
     scene: GasScene, bed: Bed, history: History, quiet: bool, save: Callable[[], None]
 ) -> None:
-    """Advance from sample to sample, and to the end of the jet; average, record and
-    save at each.
-    """
-    time, jet = scene.time, scene.boundary.jet
-    stops = np.arange(1, round(time.end / time.sample) + 1) * time.sample
-    if jet is not None and jet.until is not None:
-        stops = np.union1d(stops, jet.until)
+    """Advance from stop to stop; average, record and save at each."""
+    time = scene.time
     with Progress(time.end, "s", quiet) as progress:
-        for stop in stops[stops > bed.time * (1.0 + 1e-9)]:
+        for stop in _stops(scene):
+            if stop <= bed.time * (1.0 + ROUNDING):
+                continue
             bed.run(stop - bed.time, reached=progress.advance_to)
             _open_inlet(scene, bed)
-            if bed.time >= time.average_from * (1.0 - 1e-9):
+            if bed.time >= time.average_from * (1.0 - ROUNDING):
                 history.take(bed)
             history.record(bed)
             save()
+
+
+def _stops(scene: GasScene) -> Array:
+    """Return the times of samples, of the end of the jet and of the run [s]."""
+    time, jet = scene.time, scene.boundary.jet
+    count = ceil(time.end / time.sample * (1.0 - ROUNDING))
+    stops: Array = np.arange(1, count + 1) * time.sample
+    if stops[-1] > time.end * (1.0 + ROUNDING):
+        stops[-1] = time.end
+    if jet is not None and jet.until is not None and jet.until < time.end:
+        stops = np.sort(np.append(stops, jet.until))
+    return stops
 
 
 def _save(

@@ -234,9 +234,9 @@ class GasTime(Table):
     step: Seconds = 2e-4
     """longest step of the gas"""
     sample: Seconds = 0.02
-    """interval of samples and rows of profiles.csv"""
+    """interval of samples and rows of profiles.csv; the last is at `end`"""
     fields: Seconds | None = None
-    """interval of particle files; absent: the end only"""
+    """interval of particle files, which are written at samples; absent: the end only"""
     checkpoint_every: Seconds = 10.0
     """wall-clock time between checkpoints"""
 

@@ -36,7 +36,6 @@ RESTART_MAY_CHANGE = (
     "output.window",
     "output.levels",
 )
-ROWS = 200  # in profiles.csv unless the scene says how often
 
 
 class Run:
@@ -65,7 +64,7 @@ class Run:
             self.bubbles = Bubbles(plan)
         self.rows: list[list[float]] = []
         self.files: list[tuple[float, str]] = []
-        self.interval = time.sample or time.end / ROWS
+        self.interval = time.interval
         self.cut_steps = 0
         self.largest_speed = plausibility.largest_speed(self.scene, self.bed)
         self.take_row()

@@ -53,6 +53,7 @@ from contbed.two_fluid.conditions import Boundary, Initial, Inlet, of_kind
 if TYPE_CHECKING:
     from contbed.materials.constants import Constants
 
+ROWS = 200  # in profiles.csv unless the scene says how often
 Angle = Annotated[float, *unit("rad"), Field(gt=0, lt=1.5)]
 Named = Annotated[tables.Named, Discriminator(form)]
 NamedOrFile = Annotated[tables.NamedOrFile, Discriminator(form)]
@@ -228,9 +229,14 @@ class Time(Table):
     """interval of rows in profiles.csv; absent: 1/200 of the run, or that of the run
     which a restart continues"""
     fields: Seconds | None = None
-    """interval of fields; absent: the end only"""
+    """interval of fields, which are written at rows; absent: the end only"""
     checkpoint_every: Seconds = 10.0
     """wall-clock time between checkpoints"""
+
+    @property
+    def interval(self) -> float:
+        """Interval of rows in profiles.csv [s]."""
+        return self.sample or self.end / ROWS
 
 
 class Output(Table):

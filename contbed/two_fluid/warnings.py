@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contbed.scene import moments
 from contbed.scene.checking import Mistakes
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.two_fluid import scene as t
@@ -41,19 +42,9 @@ def times_are_within_the_run(
     time: t.Time, boundary: Mapping[str, Boundary]
 ) -> Mistakes:
     """Look for what is written or switched after the end of the run."""
-    for key in ("sample", "fields"):
-        if (value := getattr(time, key)) is not None and value > time.end:
-            yield (
-                ("time", key),
-                f"longer than the run of {time.end:g} s: written at its end",
-            )
+    yield from moments.of_output(time, time.interval)
     for name, part in of_kind(boundary, Inlet).items():
-        if part.until is not None and part.until >= time.end:
-            yield (
-                ("boundary", name, "until"),
-                f"is not before the end of the run, {time.end:g} s, so that "
-                "it has no effect",
-            )
+        yield from moments.of_inlet(("boundary", name), part.until, time.end)
 
 
 def there_are_particles(

@@ -48,3 +48,33 @@ def test_what_does_not_fit_together_is_named(old, new, said):
     assert any(said in problem for problem in error.value.problems), (
         error.value.problems
     )
+
+
+@pytest.mark.parametrize(
+    ("end", "until", "times"),
+    [
+        (0.005, None, [0.002, 0.004, 0.005]),
+        (0.0052, 0.009, [0.002, 0.004, 0.0052]),
+        (0.006, 0.006 * (1.0 + 1e-12), [0.002, 0.004, 0.006]),
+        (0.006, 0.003, [0.002, 0.003, 0.004, 0.006]),
+        (0.0019, None, [0.0019]),
+    ],
+)
+def test_a_run_ends_at_its_end_with_a_sample(end, until, times):
+    """Also where the end is no multiple of the samples, and where the jet would end
+    after it.
+    """
+    sample = min(end, 0.002)
+    jet = JET if until is None else f"until = {until}, {JET}"
+    time = f"end = {end}, sample = {sample}"
+    scene = SCENE.replace("end = 0.02, sample = 0.01", time).replace(JET, jet)
+    found = cb.run(loads(scene))
+    # particles take whole steps, of some 30 us
+    assert found.profiles["t [s]"] == pytest.approx(times, abs=4e-5)
+    assert found.qoi["samples"] == len(times)
+
+
+@each_case(__file__, "times_that_have_no_effect_are_told")
+def test_times_that_have_no_effect_are_told(old, new, said):
+    told = loads(SCENE.replace(old, new)).warnings
+    assert any(said in text for text in told), told
