@@ -188,7 +188,7 @@ def _stops(scene: GasScene) -> Array:
     """Return the times of samples, of the end of the jet and of the run [s]."""
     time, jet = scene.time, scene.boundary.jet
     count = ceil(time.end / time.sample * (1.0 - ROUNDING))
-    stops: Array = np.arange(1, count + 1) * time.sample
+    stops: Array = np.arange(1.0, count + 1.0) * time.sample
     if stops[-1] > time.end * (1.0 + ROUNDING):
         stops[-1] = time.end
     if jet is not None and jet.until is not None and jet.until < time.end:
