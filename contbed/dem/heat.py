@@ -26,6 +26,9 @@ Box = tuple[ArrayLike, ArrayLike]
 STEFAN_BOLTZMANN = 5.670374419e-8  # [W/m2/K4]
 # radius of a particle's radiating environment over its diameter (below Eq. 9)
 VIEW = 1.5
+# of the sum of their radii: distances of particles that touch carry the rounding of
+# their coordinates
+TOUCHING = 1.0 + 1e-12
 CLOSED = (False, False, False)
 Paths = Literal["cones", "columns", "spreading"]
 VORONOI = ("columns", "spreading")  # paths that need the faces of Voronoi cells
@@ -129,12 +132,8 @@ def conductances(pairs: Pairs, radius: ArrayLike, heat: Conduction) -> dict[str,
     k = np.asarray(heat.k_particle, dtype=float)
     k_i, k_j = (k, k) if k.ndim == 0 else (k[pairs.i], k[pairs.j])
     distance = pairs.distance
-    # distances of touching particles carry the rounding of their coordinates
-    touching = distance <= (R_i + R_j) * (1.0 + 1e-12)
-    if heat.contact_radius is None:
-        r_c = heat_pair.contact_radius(R_i, R_j, distance, heat.factor)
-    else:
-        r_c = np.where(touching, heat.factor * heat.contact_radius, 0.0)
+    touching = distance <= (R_i + R_j) * TOUCHING
+    r_c = contact_radii(pairs, R, heat)
     found = {"contact": heat_pair.contact_conductance(r_c, k_i, k_j)}
     if heat.k_fluid is None:
         return found
@@ -163,6 +162,17 @@ def conductances(pairs: Pairs, radius: ArrayLike, heat: Conduction) -> dict[str,
         "fluid_touching": np.where(touching, fluid, 0.0),
         "fluid_apart": np.where(touching, 0.0, fluid),
     }
+
+
+def contact_radii(pairs: Pairs, radius: ArrayLike, heat: Conduction) -> Array:
+    """Find the radius of the contact of each pair [m], 0 of those that do not touch."""
+    R = np.asarray(radius, dtype=float)
+    R_i, R_j = (R, R) if R.ndim == 0 else (R[pairs.i], R[pairs.j])
+    distance = pairs.distance
+    if heat.contact_radius is None:
+        return heat_pair.contact_radius(R_i, R_j, distance, heat.factor)
+    given = heat.factor * heat.contact_radius
+    return np.where(distance <= (R_i + R_j) * TOUCHING, given, 0.0)
 
 
 def _spreading(

@@ -63,6 +63,7 @@ def _conduct(plan: ParticlePlan, result: Result, folder: Path | None) -> None:
         int((parts["contact"] > 0).sum()),
         _correction(scene),
     )
+    _judge_contacts(plan, pairs, result)
     conducted = {}
     if scene.particles.closure is not None:
         conducted = _fit_closure(plan, pairs, result, folder)
@@ -96,19 +97,7 @@ def _conductances(plan: ParticlePlan, pairs: heat.Pairs, k: float) -> dict[str, 
     k [W/m/K].
     """
     scene = plan.scene
-    lattice, paths = scene.particles.lattice, scene.particles.paths
-    radius = None if lattice is None else lattice.contact_radius
-    how = heat.Conduction(
-        k,
-        scene.k_gas,
-        plan.porosity,
-        _correction(scene),
-        radius,
-        paths,
-        _surface(scene),
-    )
-    equal = np.ptp(plan.radius) == 0
-    parts = heat.conductances(pairs, plan.radius[0] if equal else plan.radius, how)
+    parts = heat.conductances(pairs, _radii(plan), _conduction(plan, k))
     if scene.radiation is not None:
         d = 2.0 * float(plan.radius.mean())
         emissivity = scene.solid.emissivity
@@ -122,6 +111,41 @@ def _conductances(plan: ParticlePlan, pairs: heat.Pairs, k: float) -> dict[str, 
             plan.porosity,
         )
     return parts
+
+
+def _conduction(plan: ParticlePlan, k: float) -> heat.Conduction:
+    """Return how particles of conductivity k [W/m/K] conduct."""
+    scene = plan.scene
+    lattice = scene.particles.lattice
+    return heat.Conduction(
+        k,
+        scene.k_gas,
+        plan.porosity,
+        _correction(scene),
+        None if lattice is None else lattice.contact_radius,
+        scene.particles.paths,
+        _surface(scene),
+    )
+
+
+def _radii(plan: ParticlePlan) -> Array:
+    """Return one radius [m] of equal particles, else that of each."""
+    equal = np.ptp(plan.radius) == 0
+    return np.asarray(plan.radius[0] if equal else plan.radius)
+
+
+def _judge_contacts(plan: ParticlePlan, pairs: heat.Pairs, result: Result) -> None:
+    """Report the ranges in which the closures of rough contacts were used, and warn
+    of contacts that bear more than the solid can.
+    """
+    scene = plan.scene
+    how = _conduction(plan, scene.solid.conductivity)
+    if how.surface is None:
+        return
+    R = float(plan.radius[0])
+    r_contact = heat.contact_radii(pairs, R, how)
+    result.closures += [use.to_dict() for use in how.surface.uses(r_contact, R)]
+    result.warnings += how.surface.judge(r_contact, R)
 
 
 def _solve(

@@ -245,8 +245,23 @@ poisson_ratio = 0.29
 """
     path = tmp_path / "scene.toml"
     path.write_text(text)
-    found = cb.run(cb.load(path)).qoi
-    R = 3.2e-3
+    result = cb.run(cb.load(path))
+    found, R = result.qoi, 3.2e-3
+    # Hertz's mean pressure over the hardness, in the declared range of one law only
+    E = 2e11 / 2 / (1 - 0.29**2)
+    share = 4.0 / 3.0 * E * 8e-6 / (np.pi * R / 2) / 3e9
+    asperities, separation, jumps = (use["ranges"] for use in result.closures)
+    for use, outside in ((asperities, 0.0), (separation, 1.0)):
+        assert use["pressure/hardness"]["used"] == approx([share, share], rel=1e-12)
+        assert use["pressure/hardness"]["share_outside"] == outside
+    assert jumps["accommodation"]["used"] == [0.7, 0.7]
+    assert not result.warnings
+    path.write_text(text.replace("3 GPa", "200 MPa"))
+    soft = cb.run(cb.load(path))
+    assert soft.closures[0]["share_outside"] == 1.0
+    assert [text.split(",")[0] for text in soft.warnings] == [
+        "contacts bear a mean pressure of up to 2.32e+08 Pa"
+    ]
     joint, jump = STEEL.resistances(np.array([8e-6]), R, 42.0, 0.027)
     G = spreading_conductance(
         R, 2 * R, 4 * R**2, (42.0, 42.0), 0.027, 8e-6, joint, jump
