@@ -158,7 +158,7 @@ def gas_species(
 
 def solid_species(name: str, table: Substance | None, needs_heat: bool) -> Thermo:
     """Return a constituent of solids with the data of its table, else those of
-    Cantera's tables.
+    Cantera's tables, else with a constant heat capacity where no heat is solved for.
 
     Raises
     ------
@@ -174,6 +174,8 @@ def solid_species(name: str, table: Substance | None, needs_heat: bool) -> Therm
         stated = None if table is None else table.molar_mass
         mass = stated or molar_mass_of(atoms_of(name, table, None))
         return species_of(name, tables[name], mass, with_jumps=True)
+    if table is None and not needs_heat:
+        return solid_species(name, Substance(), needs_heat)
     raise SceneError(
         f"{name} has no thermodynamics: give shomate, or heat_capacity and enthalpy, "
         f"in [solids.NAME.constituent.{name}]"

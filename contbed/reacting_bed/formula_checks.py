@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from contbed.chemistry.laws import find_law, name_of
 from contbed.chemistry.rate_formula import QUOTIENT, SI_OF_BASIS
+from contbed.chemistry.species import condensed_names
 from contbed.closures.formula import parse_formula, require_names
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
@@ -19,6 +20,7 @@ from contbed.reacting_bed.substances import (
     constituents_of,
     fed_to,
     gases_named,
+    mechanism_of,
 )
 from contbed.scene.checking import Mistakes
 from contbed.scene.toml_lines import KeyPath, Origin
@@ -157,12 +159,18 @@ def species_named(
     a composition cannot be read.
     """
     try:
+        mechanism = mechanism_of(gas, origin.base)
         gases = {*gases_named(gas, boundary, origin.base), *gas.species}
         constituents = set(constituents_of(solids))
         for solid in solids.values():
             constituents |= set(fed_to(solid))
     except SceneError:
         return None  # other checks say so
+    named: set[str] = set()
     for name, table in reactions.items():
-        gases |= set(stoichiometry(name, table)) - constituents
-    return gases, constituents
+        named |= set(stoichiometry(name, table)) - constituents
+    if constituents:
+        of_mechanism = set() if mechanism is None else set(mechanism.names)
+        unknown = named - gases - of_mechanism
+        constituents |= unknown.intersection(condensed_names() if unknown else ())
+    return gases | (named - constituents), constituents

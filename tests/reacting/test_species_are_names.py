@@ -117,3 +117,24 @@ def test_isomers_of_any_name(tmp_path):
     left = math.exp(-1e-3 * 1200.0 * (1.0 - 0.4) * 0.5 / 0.5)
     assert q["conversion_A"] == approx(1.0 - left, rel=1e-6)
     assert q["x_B_out"] == approx(0.01 * (1.0 - left), rel=1e-6)
+
+
+def test_solids_of_an_isothermal_bed_need_no_thermodynamics():
+    """Neither the inert alumina nor the oxide, which Cantera does not have; and calcium
+    carbonate, which the scene names in the equation alone, is a solid of Cantera.
+    """
+    text = HEPTANE.replace("[heat]", "").replace("NC7H16:0.01, O2:0.21", "CO2:0.22")
+    text = text.replace("NC7H16 + 11 O2 -> 7 CO2 + 8 H2O", "CaO + CO2 -> CaCO3")
+    text = text.replace(
+        "density = 1200", 'density = 1200, composition = "CaO:0.4, Al2O3:0.6"'
+    )
+    law = 'law = "grain"\ngrain_radius = 1e-6\nmolar_density = 6e4'
+    text = text.replace('basis = "catalyst"', law)
+    text = text.replace("A = 1e-3", "A = 1e-8")
+    text = text.replace("hept.yaml", "gri30.yaml") + "[time]\nend = 10\n"
+    given = {"heat_capacity": 79.0, "enthalpy": -1.675e6}
+    alumina = {f"solids.pellets.constituent.Al2O3.{k}": v for k, v in given.items()}
+    bare, full = (cb.run(loads(text, overrides=more)) for more in ({}, alumina))
+    assert 0.0 < bare.qoi["conversion_CO2"] == full.qoi["conversion_CO2"]
+    wrong = text.replace("[reactions.r]", "[heat]\n[reactions.r]")
+    refused("Al2O3 has no thermodynamics", models.plan, loads(wrong))
