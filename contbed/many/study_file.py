@@ -15,6 +15,8 @@ from contbed.scene.toml_lines import KeyPath, dotted, one_line, parse_key, read
 from contbed.scene.values import flat
 
 _Table = TypeVar("_Table", bound=BaseModel)
+# unit of a constant of a formula, which takes any
+ANY = ""
 # takes the path below an entry, and what is wrong there
 Say = Callable[[KeyPath, str], None]
 
@@ -97,11 +99,14 @@ def checked(model: type[_Table], entry: Mapping[str, Any], say: Say) -> _Table |
 
 
 def unit_of(name: str) -> str | None:
-    """Return the SI unit of a dotted key; None if it has none or is not known."""
+    """Return the SI unit of a dotted key, or `ANY`; None if it has none or is not
+    known.
+    """
     try:
-        return unit(parse_key(name))
+        path = parse_key(name)
     except ValueError:  # the scene reports what is wrong with the key
         return None
+    return ANY if "parameters" in path[:-1] else unit(path)
 
 
 def relocated(problem: str, places: Mapping[str, str]) -> tuple[str, str]:

@@ -71,12 +71,12 @@ gas = { velocity = 0.5, temperature = 500 }
 FRACTIONS = """\
 profiles = false
 [keys]
-reactions.decay.parameters.k = { median = 0.5, factor = 3 }
+reactions.decay.parameters.k = { median = "30 1/min", factor = 3 }
 [[experiment]]
 scene = "scene.toml"
 file = "fractions.csv"
 position = "z"
-values = [{ quantity = "x_A", column = "x", error = "1 %" }]
+values = [{ quantity = "x_A", column = "x", error = 1e-4 }]
 """
 # a thin bed that a flux heats: dT/dt = q/(C L), the same everywhere
 TANK = """\
@@ -233,7 +233,9 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
 
 
 def test_a_column_of_a_gas_is_fitted(tmp_path, monkeypatch, no_pictures):
-    """Mole fractions along the bed give the constant of the rate."""
+    """Mole fractions along the bed give the constant of the rate, whose prior has a
+    unit; their error is a number in SI.
+    """
     monkeypatch.chdir(tmp_path)
     z = np.array([0.1, 0.3, 0.5, 0.8])
     rows = [f"{at},{0.1 * np.exp(-0.7 / 0.5 * at):.12g}" for at in z]
@@ -244,6 +246,8 @@ def test_a_column_of_a_gas_is_fitted(tmp_path, monkeypatch, no_pictures):
     ):
         (tmp_path / name).write_text(text, encoding="utf-8")
     found = calibrate("file.toml", "out")
+    assert {point.error for point in found.points if point.fitted} == {1e-4}
+    assert found.keys[0].prior.low == 0.5
     # of the estimated error of the cells
     assert_allclose(found.values["reactions.decay.parameters.k"], 0.7, rtol=1e-4)
 

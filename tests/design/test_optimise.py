@@ -359,6 +359,28 @@ UNITS = {
 }
 
 
+def test_bounds_of_a_constant_of_a_formula_have_units(tmp_path):
+    """It starts at the text of the scene."""
+    decay = """
+reactions.decay = { equation = "A -> B", rate = "k*c_A", basis = "bed", parameters = { k = "6 1/min" } }
+"""
+    gas = """
+model = "ideal_gas"
+composition = "A:0.1, N2:0.9"
+species = { A = { elements.C = 1 }, B = { elements.C = 1 }, N2 = {} }
+"""
+    scene = decay + SCENE.replace("density = 1\nviscosity = 2e-5\n", gas)
+    scene = scene.replace(
+        "gas.velocity = 0.1", "gas = { velocity = 0.1, temperature = 500 }"
+    )
+    (tmp_path / "scene.toml").write_text(scene, encoding="utf-8")
+    bounds = 'reactions.decay.parameters.k = { from = "3 1/min", to = 0.5 }'
+    design = f'scene = "scene.toml"\nmaximise = "conversion_A"\n[keys]\n{bounds}\n'
+    (tmp_path / "file.toml").write_text(design, encoding="utf-8")
+    (key,) = read_design(tmp_path / "file.toml").keys
+    assert (key.low, key.high, key.start) == (approx(0.05), 0.5, approx(0.1))
+
+
 @pytest.mark.parametrize(
     ("text", "value", "unit"),
     [

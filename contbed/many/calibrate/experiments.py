@@ -240,6 +240,8 @@ def _errors(
         scale = factor_and_offset(header, unit)
         return given - (scale[1] if scale else 0.0)
     assert value.error is not None, "checked when the file was read"
+    if not isinstance(value.error, str):
+        return np.full(len(measured), value.error)
     share = share_of(value.error)
     if share is not None:
         return share * np.abs(measured)

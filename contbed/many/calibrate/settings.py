@@ -30,8 +30,8 @@ is predicted.
     walkers = 20
     steps = 500
 
-`error` is the standard error of a measured value, in its unit or as a share of it, "3
-K" or "5 %"; `error_column` is a column of the table with those of each row.
+`error` is the standard error of a measured value, "3 K", a number in SI, or a share of
+the value, "5 %"; `error_column` is a column of the table with those of each row.
 Distributions are those of samples, see `contbed.many.value_sets`. A quantity with a
 time or a position is one of the profiles, any other a named result of the run.
 """
@@ -50,6 +50,7 @@ from contbed.many import value_sets
 from contbed.many.distributions import Distribution
 from contbed.many.study_file import StudyFile, unit_of
 from contbed.scene.quantities import Instant, Position, Switch, Table
+from contbed.scene.reactions import Parameter
 from contbed.scene.toml_lines import Origin
 
 
@@ -60,8 +61,8 @@ class Value(Table):
     """result of the run that is compared"""
     column: str
     """column of measured values"""
-    error: str | None = None
-    """standard error, in the unit of the quantity or as a share"""
+    error: Parameter | None = None
+    """standard error: "3 K", a number in SI, or "5 %" of the measured value"""
     error_column: str | None = None
     """column with the standard error of each row"""
 

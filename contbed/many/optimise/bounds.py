@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.fields import behind
-from contbed.many.study_file import Say, checked
+from contbed.many.study_file import ANY, Say, checked, unit_of
 from contbed.many.value_sets import Ends, number
 from contbed.scene import schema
 from contbed.scene.names import nearest
@@ -89,7 +89,8 @@ def read_key(
             "integer = false, but this key of the scene counts; leave it out",
         )
         return None
-    low, high = (_number(entry, key, unit, given, say) for key in ("from", "to"))
+    taken = ANY if unit_of(name) == ANY else unit
+    low, high = (_number(entry, key, taken, given, say) for key in ("from", "to"))
     if low is None or high is None:
         return None
     if low >= high:
@@ -105,7 +106,7 @@ def read_key(
             else same,
         )
         return None
-    start = _start(name, entry, scene, (unit, given), (low, high), say)
+    start = _start(name, entry, scene, (taken, given), (low, high), say)
     return None if start is None else DesignKey(name, unit, low, high, start, given, at)
 
 
@@ -160,6 +161,8 @@ def _start(
         start, whose = _number(entry, "start", unit, whole, say), "start"
     else:
         found = value_at(scene, name)
+        if unit == ANY and isinstance(found, str):
+            found = number({"start": found}, "start", unit, say)
         if not isinstance(found, int | float) or isinstance(found, bool):
             say(
                 (),
