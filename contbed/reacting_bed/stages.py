@@ -74,7 +74,7 @@ def stages(
     one = Storage(start, before, GAMMA * dt, loose=False)
     with np.errstate(all="ignore"):
         matrix = _matrix(start, guess, one)
-    first, factors = _solved(start, guess, report, one, matrix, own=True)
+    first, factors = _solved(start, guess, report, one, matrix)
     slope = (one.content(first, False)[0] - before) / (GAMMA * dt)
     target = before + (1.0 - GAMMA) * dt * slope
     end = (
@@ -83,7 +83,10 @@ def stages(
         else _limited(problems[1], target, GAMMA * dt, ended)
     )
     two = Storage(end, target, GAMMA * dt, loose=False)
-    last, _ = _solved(end, first, report, two, factors, own=False)
+    # on the line through the states so far, as far as amounts stay positive
+    ahead = (1.0 - GAMMA) / GAMMA * (first - u)
+    near = first + solve.damping_factor(end, first, ahead) * ahead
+    last, _ = _solved(end, first, report, two, factors, near)
     change = slope - (two.content(last, False)[0] - target) / (GAMMA * dt)
     line = problems[1].line
     difference = (0.5 - GAMMA) / GAMMA * change * line.weights * line.h[:, None]
@@ -116,17 +119,18 @@ def _solved(
     report: solve.Report,
     storage: Storage,
     factors: Any,
-    own: bool,
+    near: Array | None = None,
 ) -> tuple[Array, Any]:
     """Return the solution of a stage, and the last matrix; that which is given is used
     as long as it serves.
 
-    `own` says whether it is that of the guess, so that another one of it would be the
-    same.
+    It is that of the guess, unless the first corrections begin at a state `near` the
+    solution.
     """
     with np.errstate(all="ignore"):
-        found = _corrected(problem, guess, report, storage, factors)
-        if found is None and not own:
+        begin = guess if near is None else near
+        found = _corrected(problem, begin, report, storage, factors)
+        if found is None and near is not None:
             factors = _matrix(problem, guess, storage)
             found = _corrected(problem, guess, report, storage, factors)
         if found is None:
