@@ -263,8 +263,8 @@ def is_plug_flow(scene: s.Scene, mesh: Mesh) -> bool:
     if beside and unsaid:
         raise SceneError(
             f"{file}: boundary.{unsaid[0]}: the flow meets it, and the outlet is "
-            f'boundary.{beside[0]}: say [boundary.{unsaid[0]}] type = "outlet" or '
-            '"no_slip"'
+            f'boundary.{beside[0]}: say [boundary.{unsaid[0]}] type = "outlet", '
+            '"no_slip" or "symmetry"'
         )
     with _of_file(file):
         along = [is_along(mesh, name, velocity) for name in walls]

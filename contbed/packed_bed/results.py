@@ -14,7 +14,7 @@ from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.pressure import along_bed, lifted
 from contbed.packed_bed.streams import Streams, outlet_table, streams
 from contbed.result import Result
-from contbed.scene.boundary import conditions_of
+from contbed.scene.boundary import FLUXES, conditions_of
 from contbed.scene.mesh import power_units
 
 TEMPERATURES = ("T_fluid", "T_solid")
@@ -171,15 +171,15 @@ def _exchanger(
     result.qoi |= {"duty_W": duty, "heat_reference_K": problem.T_span[0]}
     # a prescribed temperature at an inlet conducts heat in beside what the stream
     # carries
-    fixed = any(
-        condition.fixed_temperature
-        for *_, condition in conditions_of(plan.solved.boundary)
-    )
+    conditions = [each for *_, each in conditions_of(plan.solved.boundary)]
+    fixed = any(each.fixed_temperature for each in conditions)
     if len(entering) < 2:
         return
     low, high = problem.T_span
     result.qoi |= of_heaters.pinch(*gap, high - low)
-    if fixed:
+    heated = any(getattr(each, key) for each in conditions for key in FLUXES)
+    # the streams exchange heat with more than each other
+    if fixed or heated:
         return
     temperatures = [T for _, T in entering.values()]
     contents = [

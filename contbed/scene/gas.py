@@ -62,7 +62,7 @@ class GasCantera(HumidAir):
     """mole fractions, "N2:0.79, O2:0.21"
     """
     pressure: Pressure = 101325.0
-    """absolute pressure of the gas"""
+    """absolute pressure of the gas, at which its properties are taken everywhere"""
     mechanism: str = "gri30.yaml"
     """Cantera mechanism with the species: a name or a YAML file"""
     viscosity: Viscosity | None = None

@@ -100,7 +100,11 @@ def material(name: str, phase: str) -> Material:
             if name in MATERIALS
             else " is not in the library;"
         )
-        real = '; or give model = "coolprop" and name' if phase == "fluid" else ""
+        real = (
+            '; or give model = "coolprop" and a name such as "Water"'
+            if phase == "fluid"
+            else ""
+        )
         raise SceneError(f"material {name!r}{other} {nearest(name, known)}{real}")
     return MATERIALS[name]
 

@@ -18,7 +18,6 @@ from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
 from contbed.errors import SceneError
 from contbed.scene.inputs import why_unusable
 from contbed.scene.quantities import (
-    Conductivity,
     Density,
     HeatCapacity,
     PositiveConductivity,
@@ -78,7 +77,7 @@ class ConductivityTable(PropertyTable):
     """A conductivity over temperature."""
 
     quantity: ClassVar[str] = "W/m/K"
-    values: tuple[Conductivity, ...] = ()
+    values: tuple[PositiveConductivity, ...] = ()
     """one for each temperature"""
 
 

@@ -185,6 +185,15 @@ Share = Annotated[Number, Field(ge=0, le=1)]
 PositiveShare = Annotated[Number, Field(gt=0, le=1)]
 ShareBelowOne = Annotated[Number, Field(ge=0, lt=1)]
 Position = Annotated[float, *unit("m")]
+
+
+def _listed(value: Any) -> Any:
+    """Return a single coordinate as a list of one."""
+    return (value,) if isinstance(value, (int, float, str)) else value
+
+
+# coordinates, of which one may stand alone
+Across = Annotated[tuple[Position, ...], BeforeValidator(_listed)]
 Length = Annotated[Position, Field(gt=0)]
 Permeability = Annotated[float, *unit("m**2"), Field(gt=0)]
 Temperature = Annotated[float, *unit("K"), Field(gt=0)]

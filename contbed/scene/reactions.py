@@ -131,7 +131,8 @@ class Reaction(Table):
     """effective, in the product layer or particle"""
     surface: str | None = None
     """phase of `mechanism`, such as Pt_surf, in place of an equation and a rate; its
-    coverages are in steady state with the gas at each point, also in time"""
+    coverages are in steady state with the gas at each point, also in time; in
+    packed_bed alone, as mechanism and area"""
     mechanism: str | None = None
     """Cantera mechanism with the phase `surface`: a name or a YAML file"""
     area: SpecificArea | None = None

@@ -14,6 +14,7 @@ from pydantic import ConfigDict, Discriminator, Field, PrivateAttr, Tag
 from contbed.errors import SceneError
 from contbed.scene import schema
 from contbed.scene.quantities import (
+    Across,
     ClosureFile,
     Conductivity,
     FiniteFloat,
@@ -175,9 +176,9 @@ class Output(Table):
 class FieldOutput(Output):
     """What a run on a mesh of any dimension writes besides summary.json."""
 
-    across: tuple[Position, ...] | None = None
-    """other coordinates of the line of profiles; absent: the middle, or a line inside
-    of the mesh"""
+    across: Across | None = None
+    """other coordinate of the line of profiles, or a list of both; absent: the middle,
+    or a line inside of the mesh"""
 
 
 class SceneBase(Table):

@@ -303,8 +303,10 @@ def results(
         "theta_final": last["theta_mean [m2/s2]"],
         "eps_s_max": last["eps_s_max [1]"],
         "pressure_drop [Pa]": last["pressure_drop [Pa]"],
-        "slip_velocity": _slip(bed),
     }
+    slip = _slip(bed)
+    if np.isfinite(slip):
+        found["slip_velocity"] = slip
     if bed.model.heat is not None:
         from contbed.two_fluid.heat import wall_results
 

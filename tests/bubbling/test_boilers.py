@@ -6,6 +6,9 @@ from reacting_scenes import tables
 
 import contbed as cb
 from contbed.bubbling_bed.chemistry.of_boilers import emission
+from contbed.bubbling_bed.chemistry.results import _fuel
+from contbed.bubbling_bed.plan import plan
+from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.loading import from_dict
 from tests.scene_text import set_keys
 
@@ -46,3 +49,13 @@ def test_a_gasifier_has_no_efficiency_of_a_boiler():
     set_keys(scene, "boundary.bottom.gas.mass_flow = 0.25")
     qoi = cb.run(from_dict(scene)).qoi
     assert qoi["oxygen_ratio"] < 1.0 and "boiler_efficiency" not in qoi
+
+
+def test_a_gasifier_without_oxygen_has_no_efficiency_of_combustion():
+    """Gas that leaves may hold more heating value than the fuel brought."""
+    chemistry = BubblingProblem(plan(from_dict(tables()))).chemistry
+    unburnt = dict.fromkeys(chemistry.part.gases, 0.0) | {"H2": 1.0, "CO": 1.0}
+    qoi = {}
+    _fuel(chemistry, {}, unburnt, {}, qoi)
+    assert qoi["oxygen_ratio"] == 0.0
+    assert not {"combustion_efficiency", "ignited"} & qoi.keys()

@@ -150,7 +150,7 @@ def test_mistakes(solid, part):
 def test_a_liquid_that_the_library_lacks_is_found_elsewhere():
     gas = {"material": "water", "material_temperature": 300.0}
     refused(
-        'allowed: solar_salt; or give model = "coolprop" and name',
+        'allowed: solar_salt; or give model = "coolprop" and a name such as "Water"',
         lambda: cb.load({**BED, "gas": gas}),
     )
 

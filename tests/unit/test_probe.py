@@ -119,7 +119,12 @@ def test_a_gap_across_the_bed_leaves_the_longest_part_of_a_line():
 
 
 @pytest.mark.parametrize(
-    ("across", "wrong"), [("[0.3]", "outside of the bed"), ("[0.1, 0.1]", "needs 1")]
+    ("across", "wrong"),
+    [
+        ("[0.3]", "outside of the bed"),
+        ("'30 cm'", "outside of the bed"),
+        ("[0.1, 0.1]", "needs 1"),
+    ],
 )
 def test_a_line_outside_is_refused(across, wrong):
     text = f"""
@@ -129,3 +134,5 @@ def test_a_line_outside_is_refused(across, wrong):
         output.across = {across}
     """
     refused(wrong, loads, text)
+    alone = loads(text.replace(across, "0.1"))
+    assert alone.output.across == (0.1,)

@@ -19,13 +19,14 @@ heat = {}
 boundary.left.gas = { velocity = 0.5, temperature = 300.0 }
 boundary.SIDE.solids.grains = { velocity = VELOCITY, temperature = 500.0 }
 """
+JACKET = "boundary.right.solids.grains = { coefficient = 50.0, ambient = 400.0 }\n"
 AREA = 6.0 * 0.6 / 0.006  # of the particles over the volume of the bed
 
 
-def heater(units, side, velocity="1e-3"):
+def heater(units, side, velocity="1e-3", bed=HEATER):
     """A bed of so many transfer units of its weaker stream, the fluid."""
     nusselt = units * 500.0 / AREA * 0.006
-    text = HEATER.replace("NUSSELT", repr(nusselt)).replace("SIDE", side)
+    text = bed.replace("NUSSELT", repr(nusselt)).replace("SIDE", side)
     return cb.run(loads(text.replace("VELOCITY", velocity))).qoi
 
 
@@ -38,6 +39,13 @@ def test_a_counter_current_heater_is_that_of_the_handbook():
     # the particles enter 200 K hotter; the fluid, which carries less, meets them there
     assert q["pinch_K"] == approx(200.0 * (1.0 - share), rel=1e-3)
     assert q["pinch_m"] == 1.0
+
+
+def test_streams_that_a_jacket_heats_have_no_transfer_units():
+    """Neither what they exchange is their duty, nor is it bounded by their inlets."""
+    conducts = HEATER.replace("solids = 0.0", "solids = 1.0")
+    q = heater(3.0, "left", bed=conducts + JACKET)
+    assert "pinch_K" in q and not {"effectiveness", "NTU"} & q.keys()
 
 
 def test_equal_streams_have_one_difference_of_temperatures():

@@ -174,14 +174,14 @@ def _fuel(
     in_gas, unburnt = sum(gas.values()), sum(solids.values())
     qoi["fuel_power_W"] = power
     qoi["cold_gas_efficiency"] = in_gas / power
-    qoi["combustion_efficiency"] = 1.0 - (in_gas + unburnt) / power
-    qoi["oxygen_ratio"] = entering.get("O2", 0.0) / data.oxygen
+    oxygen = qoi["oxygen_ratio"] = entering.get("O2", 0.0) / data.oxygen
+    burnt = 1.0 - (in_gas + unburnt) / power
     sulphur = data.elements["S"]
     if sulphur > 0 and "CaSO4" in drained:
         qoi["sulphur_capture"] = drained["CaSO4"] / sulphur
-    qoi["ignited"] = float(
-        qoi["combustion_efficiency"] > 0.5 * min(1.0, qoi["oxygen_ratio"])
-    )
+    if oxygen > 0.0:
+        qoi["combustion_efficiency"] = burnt
+        qoi["ignited"] = float(burnt > 0.5 * min(1.0, oxygen))
     return gas | solids
 
 
