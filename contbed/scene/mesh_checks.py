@@ -121,7 +121,9 @@ def places_across(mesh: Mesh, output: FieldOutput, see: See, axis: int) -> Mista
     if output.across is None:
         return
     path = ("output", "across")
-    if len(output.across) != mesh.dimension - 1:
+    if mesh.dimension == 1:
+        yield path, "a mesh along a line has no other coordinate; remove the key"
+    elif len(output.across) != mesh.dimension - 1:
         yield (
             path,
             f"has {len(output.across)} coordinates, the mesh needs "

@@ -40,8 +40,7 @@ _LARGE_POWER = re.compile(r"\d\s*(?:\*\*|\^)|\d{3}|\)\s*(?:\*\*|\^)")
 
 _GAUGE = "; pressures are absolute: add that of the air and write {}"
 _ABSOLUTE = "; pressures are absolute: write {}"
-_FRACTION = re.compile(r"\s*[+-]?\d+(\s+\d+)?\s*/\s*\d")
-_DECIMALS = "; write a fraction with a decimal point"
+_FRACTION = re.compile(r"\s*(?:(\d+)\s+)?(\d+)\s*/\s*([1-9]\d*)(\s*[A-Za-z].*)")
 # 1000 kg to some, 2000 lb to others
 _TON = re.compile(r"(?<![A-Za-z_])tons?(?![A-Za-z_])")
 _HINTS = {
@@ -83,7 +82,11 @@ def to_si(text: str, unit: str) -> float:
     )
     found = _parse(name) if readable else None
     if found is None:
-        hint = _DECIMALS if _FRACTION.match(text) else _HINTS.get(name, "")
+        if fraction := _FRACTION.fullmatch(text):
+            whole, over, under, rest = fraction.groups()
+            decimal = int(whole or 0) + int(over) / int(under)
+            raise ValueError(f"'{shown}' is a fraction; write {decimal:g}{rest}")
+        hint = _HINTS.get(name, "")
         if _TON.search(name):
             hint = "; write t for 1000 kg, short_ton for 2000 lb"
         raise ValueError(f"unknown unit '{name[:60]}'{hint}; {expected}")

@@ -134,5 +134,7 @@ def test_a_line_outside_is_refused(across, wrong):
         output.across = {across}
     """
     refused(wrong, loads, text)
+    along = text.replace("rectangle", "line").replace("height = 0.2", "cells = 4")
+    refused("no other coordinate", loads, along)
     alone = loads(text.replace(across, "0.1"))
     assert alone.output.across == (0.1,)
