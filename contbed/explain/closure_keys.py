@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
@@ -48,11 +47,12 @@ def closure_keys() -> dict[str, str]:
     return found
 
 
-def _kinds_below(scene: Any) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield the keys of a kind of scenes that take closures, and the kind of each."""
-    for path, node in schema.below(schema.of(scene)):
-        if kind := kind_of_key(path[-1], node):
-            yield path, kind
+@cache
+def _kinds_below(scene: Any) -> list[tuple[tuple[str, ...], str]]:
+    """Return the keys of a kind of scenes that take closures, and the kind of each."""
+    nodes = schema.below(schema.of(scene))
+    kinds = [(path, kind_of_key(path[-1], node)) for path, node in nodes]
+    return [(path, kind) for path, kind in kinds if kind]
 
 
 def right_keys(scene: Any, path: KeyPath, value: Any) -> str:
@@ -61,8 +61,10 @@ def right_keys(scene: Any, path: KeyPath, value: Any) -> str:
     """
     name = value.get("name") if isinstance(value, dict) else value
     kinds = _kinds_of(name) if isinstance(name, str) else set()
+    if not kinds:
+        return ""
     found = [(keys, kind) for keys, kind in _kinds_below(scene) if kind in kinds]
-    if not kinds or any(_fits(keys, path) for keys, _ in found):
+    if any(_fits(keys, path) for keys, _ in found):
         return ""
     # those in the same table first
     found.sort(key=lambda each: not _fits(each[0][:-1], path[:-1]))
