@@ -234,8 +234,6 @@ class Sphere:
         m = self.material
         T, masses, gas, surface = (_value(item) for item in self._fields(state))
         rates = self._rates(T, masses)
-        outermost = self._conductivity(T, masses)[-1]
-        flux = outermost * (surface[0] - T[-1]) * 2.0 / self.step
         made = self._made(T, rates)
         released = sum(
             -self.volume @ (rate * q) for rate, q in zip(rates, m.heat, strict=True)
@@ -245,10 +243,16 @@ class Sphere:
         released = released + self.volume @ taken
         carried = gas[-1] * m.gas_heat_capacity * (surface[0] - m.start)
         return (
-            float(flux * 3.0 / (m.radius * m.density)),
+            float(self.conductance(state) * (surface[0] - T[-1])),
             float(carried),
             float(released),
         )
+
+    def conductance(self, state: Array) -> float:
+        """Return the conductance between the surface and the outermost shell [W/kg/K]."""
+        T, masses, *_ = (_value(item) for item in self._fields(state))
+        m, outermost = self.material, self._conductivity(T, masses)[-1]
+        return float(outermost * 2.0 / self.step * 3.0 / (m.radius * m.density))
 
     def _fields(
         self, state: Array, differentiate: bool = False

@@ -7,11 +7,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from pytest import approx
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 from contbed.errors import ConvergenceError
-from contbed.loading import load
+from contbed.loading import load, loads
 from contbed.models import MODELS
 from contbed.runner import run
 from contbed.single_particle import run as single_particle
@@ -316,3 +316,39 @@ def test_mistakes(tmp_path, old, new, message):
 
 def test_what_the_scene_is_told_as():
     assert MODELS["single_particle"].means({"boundary": {"surface": {}}})
+
+
+FIBRE = """
+model = "single_particle"
+[solids.fibre]
+diameter = "60 um"
+density = 1300
+conductivity = 0.2
+composition = "P:0.9, filler:0.1"
+constituent = { P.heat_capacity = 1500, filler.heat_capacity = 900 }
+[reactions.d]
+of = "P"
+A = 1e12
+E = "170 kJ/mol"
+[boundary.surface]
+fixed_temperature = { times = [0, 4500], values = [373.15, 973.15] }
+[initial]
+temperature = 373.15
+[time]
+end = 4500
+"""
+
+
+def test_a_fine_particle_follows_its_surface():
+    """A fibre in a thermobalance: half is lost where the integral of A exp(-E/(R T))
+    is ln 2, within the error of the steps. Its conduction, 1e5 times the differences
+    of temperature that it needs, leaves the balance of energy closed.
+    """
+    result = run(loads(FIBRE))
+
+    def passed(t):
+        return quad(lambda s: 1e12 * np.exp(-20446.25 / (373.15 + s / 7.5)), 0.0, t)[0]
+
+    half = brentq(lambda t: passed(t) - np.log(2.0), 1000.0, 3000.0)
+    assert result.qoi["half_time_s"] == approx(half, rel=1e-4)
+    assert_closed(result, 1e-9, "energy")
