@@ -25,6 +25,7 @@ from contbed.two_fluid.compiled import Array, Flags, Indices
 from contbed.two_fluid.end_pressure import end_faces
 from contbed.two_fluid.fv.connections import paired_facets
 from contbed.two_fluid.plan import periodic_pairs
+from contbed.two_fluid.vessel import Vessel
 
 if TYPE_CHECKING:
     from contbed.two_fluid.plan import TwoFluidPlan
@@ -69,8 +70,8 @@ class Bubbles:
         """
         grid = self.grid
         floor = float(grid.middles[:, -1].min())
-        vessel = float(np.ptp(grid.middles[:, -1]))
-        slice_volume = grid.geometry.volume.sum() / vessel * height / BINS
+        edges = np.linspace(0.0, height, BINS + 1)
+        within = np.diff(Vessel.of(grid).below(edges))
         inside = [each for each in self.found if each[-1] - floor < height]
         if not inside:
             return {"bubbles": 0.0}, {}
@@ -80,7 +81,7 @@ class Bubbles:
         above = centre[-1] - floor
         which = np.minimum((above / height * BINS).astype(int), BINS - 1)
         count = np.bincount(which, minlength=BINS)
-        share = np.bincount(which, volume, BINS) / (slice_volume * rows)
+        share = np.bincount(which, volume, BINS) / (within * rows)
         followed = ~np.isnan(rise)
         steps = np.bincount(which, followed, BINS)
         with np.errstate(invalid="ignore"):
@@ -94,7 +95,7 @@ class Bubbles:
             "bubbles": len(inside) / rows,
             "bubble_diameter_m": float(diameter.mean()),
             "bubble_diameter_max_m": float(diameter.max()),
-            "bubble_share": float(share.mean()),
+            "bubble_share": float(volume.sum() / (within.sum() * rows)),
         }
         if followed.any():
             found["bubble_rise_m_s"] = float(rise[followed].mean())

@@ -12,6 +12,7 @@ import numpy as np
 from contbed.two_fluid.boundary import GIVEN
 from contbed.two_fluid.closures import ABSENT, bound, constants
 from contbed.two_fluid.conditions import Inlet, of_kind
+from contbed.two_fluid.vessel import Vessel
 
 if TYPE_CHECKING:
     from contbed.closures.binding import BoundClosure
@@ -30,32 +31,30 @@ PERIODS = 5.0  # of a signal whose frequency is known to a fifth
 
 
 def fluidized_findings(
-    scene: TwoFluidScene, bed: Simulation, averages: Averages | None, vessel: float
+    scene: TwoFluidScene, bed: Simulation, averages: Averages | None
 ) -> dict[str, float]:
-    """Return results of a bed that an inlet of gas fluidizes, in a vessel of a
-    height [m]; none of other scenes.
-    """
+    """Return results of a bed that an inlet of gas fluidizes; none of other scenes."""
     if not is_fluidized(scene):
         return {}
-    eps_s = densest_start(scene)
+    grid = bed.model.grid
+    vessel = Vessel.of(grid)
+    geometry = grid.geometry.volume, grid.centres[:, -1]
+    means = bed.state.fields() if averages is None else averages.means()
+    height = bed_height(means["eps_s"], *geometry, vessel)
     found: dict[str, float] = {}
+    eps_s = densest_start(scene)
     if eps_s >= DENSE:
         u_mf = minimum_fluidization(scene, eps_s)
         if u_mf is not None:
-            section = bed.model.grid.geometry.volume.sum() / vessel
-            flow = fed(bed) / float(section)
+            flow = fed(bed) / vessel.section(height)
             found |= {"u_mf_m_s": u_mf, "u_over_u_mf": flow / u_mf}
-    if averages is not None:
-        means = averages.means()
-        geometry = bed.model.grid.geometry.volume, bed.model.grid.centres[:, -1]
-        height = bed_height(means["eps_s"], *geometry, vessel)
-        if height is not None:
-            flux = means["eps_s"] * means["u_solid"][:, -1]
-            density = bed.model.materials.rho_solid
-            found["bed_height_m"] = height
-            if bed.model.grid.dimension > 1:
-                upward = circulation(flux, *geometry, height)
-                found["circulation_kg_m2s"] = density * upward
+    if averages is not None and height is not None:
+        flux = means["eps_s"] * means["u_solid"][:, -1]
+        density = bed.model.materials.rho_solid
+        found["bed_height_m"] = height
+        if grid.dimension > 1:
+            upward = circulation(flux, *geometry, height)
+            found["circulation_kg_m2s"] = density * upward
     return found
 
 
@@ -142,14 +141,14 @@ def fed(bed: Simulation) -> float:
     return float(area @ np.maximum(entering, 0.0))
 
 
-def bed_height(eps_s: Any, volume: Any, z: Any, vessel: float) -> float | None:
-    """Return the height [m] that the particles would fill at the mean solids fraction
+def bed_height(eps_s: Any, volume: Any, z: Any, vessel: Vessel) -> float | None:
+    """Return the height above the floor [m] that the particles would fill at the mean solids fraction
     below their centre of mass; None where particles are at the top of the vessel.
 
     Parameters
     ----------
     eps_s, volume, z : mean solids fraction, volume and height of each cell
-    vessel : its height [m]
+    vessel : its volume by height
     """
     held = eps_s * volume
     if held.sum() <= 0.0:
@@ -159,7 +158,7 @@ def bed_height(eps_s: Any, volume: Any, z: Any, vessel: float) -> float | None:
     top = z >= z.min() + TOP * np.ptp(z)
     if held[top].sum() > EMPTY * dense * volume[top].sum():
         return None
-    return float(vessel * held.sum() / volume.sum() / dense)
+    return vessel.height_of(held.sum() / dense)
 
 
 def circulation(flux: Any, volume: Any, z: Any, height: float) -> float:

@@ -16,6 +16,7 @@ from contbed.two_fluid.boundary import GIVEN, OUTLET
 from contbed.two_fluid.conditions import Inlet, Outlet, SolidAtInlet, Wall, of_kind
 from contbed.two_fluid.end_pressure import end_faces
 from contbed.two_fluid.heat.checks import MAX_TEMPERATURE
+from contbed.two_fluid.vessel import depth
 
 if TYPE_CHECKING:
     from contbed.two_fluid.simulation import Simulation
@@ -114,8 +115,8 @@ def largest_pressure_drop(
     walls and what outlets give.
     """
     grid, materials = bed.model.grid, bed.model.materials
-    height, volume = float(np.ptp(grid.middles[:, -1])), grid.geometry.volume
-    solids = float(bed.state.eps_s @ volume / volume.sum()) * materials.rho_solid
+    height = float(np.ptp(grid.middles[:, -1]))
+    solids = depth(grid, bed.state.eps_s) / height * materials.rho_solid
     weight = (solids + materials.rho_gas) * scene.two_fluid.gravity * height
     width = min(
         (float(np.ptp(grid.middles[:, k])) for k in range(grid.dimension - 1)),

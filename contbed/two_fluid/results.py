@@ -22,6 +22,7 @@ from contbed.two_fluid.conditions import Wall, of_kind
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.of_fluidized import SPECTRUM, fluidized_findings
 from contbed.two_fluid.simulation import Simulation
+from contbed.two_fluid.vessel import depth
 
 if TYPE_CHECKING:
     from contbed.two_fluid.state import Energy
@@ -314,11 +315,8 @@ def results(
         found |= {name: last[name] for name in warm}
         since = 0.0 if averages is None else averages.start
         found |= wall_results.results(bed, rows, since)
-    vessel = float(np.ptp(plan.mesh.skfem.p[-1]))
-    section = bed.model.grid.geometry.volume.sum() / vessel
-    found["weight_of_solids"] = float(
-        scene.two_fluid.gravity * last["solids [kg]"] / section
-    )
+    weight = scene.two_fluid.gravity * bed.model.materials.rho_solid
+    found["weight_of_solids"] = weight * depth(bed.model.grid, bed.state.eps_s)
     found |= filters.results(scene)
     if scene.closures.effective_restitution != ABSENT:
         found["effective_restitution"] = dissipative_restitution(scene)
@@ -337,7 +335,7 @@ def results(
         if found["weight_of_solids"] > 0.0:
             found |= momentum_budget.shares(averages.forces())
     found |= wall_shear.results(bed)
-    found |= fluidized_findings(scene, bed, averages, vessel)
+    found |= fluidized_findings(scene, bed, averages)
     if "spectrum" in tables:
         frequency, power = tables["spectrum"].values()
         found["dominant_frequency [Hz]"] = float(frequency[np.argmax(power)])

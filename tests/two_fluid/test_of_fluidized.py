@@ -2,13 +2,20 @@
 forms and by hand.
 """
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from pytest import approx
+from skfem import MeshQuad, MeshTri
 
 import contbed as cb
 from contbed.loading import loads
+from contbed.mesh.mesh import Mesh
 from contbed.models import MODELS
+from contbed.two_fluid.fv.grid import build
 from contbed.two_fluid.of_fluidized import bed_height, circulation, minimum_fluidization
+from contbed.two_fluid.vessel import Vessel, depth
 
 
 def column(drag="drag_gidaspow", time=""):
@@ -38,8 +45,37 @@ def test_height_of_a_uniform_bed_below_gas():
     z = (np.arange(40) + 0.5) / 40
     eps_s = np.where(z < 0.5, 0.5, 0.0)
     volume = np.full(40, 0.025)
-    assert bed_height(eps_s, volume, z, 1.0) == approx(0.5, rel=1e-12)
-    assert bed_height(np.full(40, 0.1), volume, z, 1.0) is None  # carried to the top
+    vessel = Vessel(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+    assert bed_height(eps_s, volume, z, vessel) == approx(0.5, rel=1e-12)
+    # carried to the top
+    assert bed_height(np.full(40, 0.1), volume, z, vessel) is None
+
+
+def wedge(kind):
+    """A grid of a vessel from 1 m wide below to 3 m above, 2 m high."""
+    shapes = {"triangles": MeshTri, "quadrilaterals": MeshQuad}
+    x, z = np.linspace(-0.5, 0.5, 9), np.linspace(0.0, 2.0, 33)
+    mesh = shapes[kind].init_tensor(x, z)
+    points = np.stack((mesh.p[0] * (1.0 + mesh.p[1]), mesh.p[1]))
+    mesh = replace(mesh, doflocs=points)
+    return build(Mesh(mesh.with_boundaries({"all": lambda x: x[1] > -1.0})))
+
+
+@pytest.mark.parametrize("kind", ["triangles", "quadrilaterals"])
+def test_a_bed_in_a_vessel_that_widens(kind):
+    """A wedge of width 1 + z, filled evenly to 1 m, holds 1.5 m2 of it: its mean
+    section is 1.5 m and its column 0.5 m of particles. Its cells have straight sides
+    and are spread over their heights: some tenths of a percent.
+    """
+    grid = wedge(kind)
+    z, volume = grid.centres[:, -1], grid.geometry.volume
+    eps_s = np.where(z < 1.0, 0.5, 0.0)
+    vessel = Vessel.of(grid)
+    height = bed_height(eps_s, volume, z, vessel)
+    assert height == approx(1.0, rel=3e-3)
+    assert vessel.section(height) == approx(1.5, rel=3e-3)
+    assert vessel.section() == approx(2.0, rel=1e-12)
+    assert depth(grid, eps_s) == approx(0.5, rel=3e-3)
 
 
 def test_circulation_of_particles_that_rise_in_a_quarter_of_the_section():
