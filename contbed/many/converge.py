@@ -150,7 +150,8 @@ def _at_level(
     if "positions" not in type(scene.output).model_fields:
         raise SceneError(
             f"{path}: a scene of kind {scene.kind} has no profiles at given positions "
-            "to compare"
+            "to compare; `contbed run SCENE --set mesh.refine=1` halves its cells, and "
+            "named results show what that changes"
         )
     changes: dict[str, Any] = (
         {"solver.adapt": 0} if "adapt" in type(scene.solver).model_fields else {}

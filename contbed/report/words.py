@@ -118,7 +118,10 @@ def following(summary: Mapping[str, Any]) -> Iterator[str]:
             "that fit."
         )
     if "estimated_error" not in summary.get("qoi", {}):
-        yield "See what the mesh changes: `contbed converge SCENE`."
+        yield (
+            "See what the mesh changes: `contbed converge SCENE` where profiles run "
+            "along a bed, else a run with `--set mesh.refine=1`."
+        )
     if closures:
         yield (
             "See what the closures leave uncertain: `contbed sensitivities SCENE "

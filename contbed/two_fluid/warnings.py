@@ -35,6 +35,8 @@ BED_NUSSELT = 10.0  # of particles that some m/s of gas pass [-]
 # and cells are taken as a whole
 MOST_OF_A_PIECE = 0.01
 MOST_OF_A_LAYER = 0.04
+# gauge pressure at an outlet over that of the gas, by which its density is wrong
+MOST_OF_A_PRESSURE = 0.01
 AXIS = 1e-9  # share of the extent from which a mesh counts as off the axis
 
 
@@ -45,6 +47,25 @@ def times_are_within_the_run(
     yield from moments.of_output(time, time.interval)
     for name, part in of_kind(boundary, Inlet).items():
         yield from moments.of_inlet(("boundary", name), part.until, time.end)
+
+
+def densities_are_those_outside(
+    gas: t.Gas, boundary: Mapping[str, Boundary]
+) -> Mistakes:
+    """Look for an outlet whose pressure is not the one at which the density of the
+    gas is taken.
+    """
+    if gas.model == "constant" and gas.density_law == "constant":
+        return
+    for name, part in of_kind(boundary, Outlet).items():
+        gauge = part.gas.pressure
+        if abs(gauge) > MOST_OF_A_PRESSURE * gas.pressure:
+            yield (
+                ("boundary", name, "gas", "pressure"),
+                f"{abs(gauge) / gas.pressure:.0%} of gas.pressure, at which the density "
+                f"is taken; give gas.pressure = {gas.pressure + gauge:g} and no pressure "
+                "of the outlet",
+            )
 
 
 def there_are_particles(
@@ -323,6 +344,7 @@ def _has_particles(initial: Initial, boundary: Mapping[str, Boundary]) -> bool:
 
 WARNINGS = (
     times_are_within_the_run,
+    densities_are_those_outside,
     there_are_particles,
     gas_enters_and_carries,
     walls_slip,
