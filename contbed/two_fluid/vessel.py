@@ -88,6 +88,6 @@ def _sections(grid: Grid, amounts: Array) -> tuple[Array, Array]:
         np.maximum.at(high, cells, faces)
     rate = amounts / (high - low)
     heights, place = np.unique(np.concatenate((low, high)), return_inverse=True)
-    jumps: Array = np.bincount(place, np.concatenate((rate, -rate)))
+    jumps = np.bincount(place, np.concatenate((rate, -rate))).astype(np.float64)
     areas: Array = np.cumsum(jumps)[:-1]
     return np.asarray(heights), areas
