@@ -371,10 +371,10 @@ def _checkpoint(scene: SceneBase, plan: Any, folder: Path) -> tuple[Any, Any]:
 
 def _keep_last(scene: Any, error: ConvergenceError, folder: Path | None) -> None:
     """Keep the last Newton state of a steady run beside the summary."""
-    if folder is None or error.state is None or scene.time is not None:
+    if folder is None or scene.time is not None:
+        return
+    if not isinstance(error.state, np.ndarray):
         return
     from contbed.output import checkpoint
 
-    checkpoint.save(
-        folder, {"state": np.asarray(error.state)}, {"identity": identity(scene)}
-    )
+    checkpoint.save(folder, {"state": error.state}, {"identity": identity(scene)})

@@ -64,5 +64,5 @@ def not_at_rest(stage: Stage, unrest: float) -> str:
         f"packing: kinetic energy {unrest:.3g} of N m g d after "
         f"{stage.steps * stage.time_step:.3g} s at "
         f"E = {stage.material.youngs_modulus:g} Pa, {stage.at_rest:g} is wanted; "
-        "add friction or damping, or accept more"
+        "a lower restitution and more sliding friction stop spheres sooner"
     )

@@ -12,8 +12,9 @@ from pytest import approx
 
 from contbed.dem import heat, network
 from contbed.dem.heat_pair import IMPACT, STATIC, correction
-from contbed.dem.packing import pack
+from contbed.dem.packing import _settle, pack
 from contbed.dem.particles import Material, Particles, pair_table
+from contbed.dem.settling import Stage
 from contbed.dem.simulation import Simulation
 from contbed.dem.statistics import solid_share
 from contbed.dem.walls import Domain, Plane, Tube
@@ -120,6 +121,29 @@ def test_a_bed_that_does_not_rest(monkeypatch):
     monkeypatch.setattr("contbed.dem.settling.LONGEST", 0.0)
     with pytest.raises(ConvergenceError, match=r"kinetic energy .* of N m g d after"):
         pack((5 * D, 5 * D), count=60, material=SOFT)
+
+
+def test_a_sphere_that_spins_on_the_spot_is_at_rest():
+    """On a floor about its normal, which no contact law brakes; a sphere that falls is
+    not at rest.
+    """
+    floor = [Plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))]
+    spinning = Simulation(
+        Particles(np.array([[0.0, 0.0, 0.5 * D]]), 0.5 * D),
+        [SOFT],
+        floor,
+        Domain((-D, -D, -D), (D, D, np.inf)),
+        impact_speed=0.3,
+        gravity=(0.0, 0.0, -9.81),
+    )
+    stage = Stage(SOFT, 1e-6, spinning.time_step, 40_000)
+    spinning.spin[0, 2] = 10.0
+    _settle(spinning, stage, 9.81, True, False)
+    assert spinning.spin[0, 2] == approx(10.0, rel=1e-9)
+    assert np.abs(spinning.velocity).max() < 1e-5
+    spinning.velocity[0, 2] = 2.0
+    with pytest.raises(ConvergenceError, match="is wanted; a lower restitution"):
+        _settle(spinning, stage._replace(steps=1000), 9.81, True, False)
 
 
 def test_kinetic_damping_stops_a_bed_that_bounces(monkeypatch):

@@ -76,6 +76,14 @@ def bed():
     )
 
 
+def test_a_packing_that_does_not_settle_ends_with_its_reason(tmp_path, monkeypatch):
+    monkeypatch.setattr("contbed.dem.settling.LONGEST", 0.0)
+    with pytest.raises(ConvergenceError, match=r"kinetic energy .* is wanted"):
+        cb.run(loads(BED), out=tmp_path)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["status"] == "not converged"
+
+
 def test_a_packing_settles_and_conducts(bed, tmp_path):
     result = cb.run(loads(BED), out=tmp_path)
     # between the spheres of one diameter at the floor and those of two below the
