@@ -15,12 +15,14 @@ from contbed.dem.heat import Paths
 MARGIN = 0.01
 
 
-def judge(found: Mapping[float, float], eps: float, paths: Paths) -> list[str]:
+def judge(
+    found: Mapping[float, float], eps: float, paths: Paths, equal: bool
+) -> list[str]:
     """Warn of conduction outside of the bounds of Hashin and Shtrikman, which hold for
     every isotropic bed.
 
     `found` has the conductivity of the bed by that of the particles, without radiation
-    and both over that of the gas.
+    and both over that of the gas; `equal` tells whether all spheres have one radius.
     """
     outside = []
     for ratio, k in found.items():
@@ -31,8 +33,11 @@ def judge(found: Mapping[float, float], eps: float, paths: Paths) -> list[str]:
     if not outside:
         return []
     others = [f'"{name}"' for name in get_args(Paths) if name not in ("cones", paths)]
+    advice = f"try {' or '.join(others)}"
+    if not equal:
+        advice += ", which need equal spheres: they show by how much"
     return [
         "k_eff/k_fluid by conduction is outside of the Hashin-Shtrikman bounds of any "
         f"isotropic bed of this porosity: {', '.join(outside)} times k_fluid; "
-        f'particles.paths = "{paths}" misses there, try {" or ".join(others)}'
+        f'particles.paths = "{paths}" misses there, {advice}'
     ]

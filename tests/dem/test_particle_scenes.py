@@ -12,6 +12,7 @@ from pytest import approx
 
 import contbed as cb
 from contbed.closures.file import closure_of
+from contbed.dem.plausibility import judge
 from contbed.loading import loads
 from contbed.many.converge import converge
 from contbed.scene.identity import scene_hash
@@ -157,6 +158,17 @@ def test_conduction_beyond_the_bounds_of_hashin_and_shtrikman_warns(more):
     assert f"porosity: 6.489 at 8.8 ({low:.4g} to {high:.4g}), 3.298 at 2 (" in warning
     assert warning.count(" to ") == 2
     assert warning.endswith('misses there, try "columns" or "spreading"')
+
+
+def test_paths_of_equal_spheres_are_no_advice_for_unequal_ones():
+    (warning,) = judge({8.8: 9.0}, 0.4, "cones", equal=False)
+    assert warning.endswith("need equal spheres: they show by how much")
+
+
+def test_lists_that_are_too_short_name_their_length():
+    short = FCC.replace("[2, 30, 60, 100, 200]", "[20]")
+    (problem,) = problems_of(loads, short)
+    assert "ratios = [20]: a list of 1; allowed: a list of 3 or more, each a" in problem
 
 
 def test_spreading_columns_keep_the_bounds():
