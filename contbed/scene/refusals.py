@@ -109,8 +109,9 @@ def translate(
         return path, f"unknown choice; {nearest(str(found), schema.choices(node))}"
     if kind in _LIMITS:
         return path, f"out of range; allowed: {schema.allowed(node)}"
-    if kind == "too_short" and not found:
-        return path, f"empty; allowed: {schema.allowed(node)}"
+    if kind in ("too_short", "too_long"):
+        text = f"a list of {len(found)}" if found else "empty"
+        return path, f"{text}; allowed: {schema.allowed(node)}"
     if kind == "value_error":
         return path, str(context["error"])
     if kind == "finite_number":

@@ -217,7 +217,11 @@ def _one(option: Node) -> str:
     if kind == "array":
         if parts := option.get("prefixItems"):
             return f"a list of {len(parts)}: {_one(parts[0])}"
-        return f"a list, each {allowed(option.get('items', {}))}"
+        least, most = option.get("minItems", 0), option.get("maxItems")
+        count = "" if least < 2 else f" of {least} or more"
+        if most is not None:
+            count = f" of {most}" if least == most else f" of {least} to {most}"
+        return f"a list{count}, each {allowed(option.get('items', {}))}"
     bounds = [
         f"{sign} {option[key]:g}" for key, sign in _BOUNDS.items() if key in option
     ]
