@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
@@ -199,13 +200,15 @@ class Factors:
             return
         width = 2 * size - 1
         band = np.zeros((3 * width + 1, N * size), order="F")
-        i, j = np.indices((size, size))
-        for c in range(N):
-            for block, shift in ((lower, -1), (own, 0), (upper, 1)):
-                if 0 <= c + shift < N:
-                    band[2 * width + i - j - shift * size, (c + shift) * size + j] = (
-                        block[c]
-                    )
+        for block, start in (
+            (lower[1:], band[2 * width + size :]),
+            (own, band[2 * width :]),
+            (upper[:-1], band[2 * width - size :, size:]),
+        ):
+            # entry (i, j) of a block is i - j below the diagonal of column j
+            entry, column = band.strides
+            steps = (column * size, column - entry, entry)
+            as_strided(start, block.shape, steps)[...] = block.transpose(0, 2, 1)
         if not np.isfinite(band).all():
             raise ConvergenceError("the matrix holds values that are not finite")
         self.width = width

@@ -439,13 +439,14 @@ class System:
     def _differentiate_faces(self, Cf: Values, Df: Values, slopes: Any) -> None:
         """Add the derivatives of the fluxes through the vertices."""
         N = self.line.cells
+        fixed = [np.isfinite(value).any() for value in self.ends.value]
         for e in np.setdiff1d(range(self.m), self.local):
             for parts, upwind in ((Cf, True), (Df, False)):
                 for (slot, f), tangent in getattr(parts[e], "tangents", {}).items():
-                    t = np.array(np.broadcast_to(tangent, (N + 1,)))
+                    t = np.empty(N + 1)
+                    t[:] = tangent
                     for end, k in ((0, 0), (1, N)):
-                        fixed = np.isfinite(self.ends.value[end]).any()
-                        if self.ends.given[end][e] or (not upwind and not fixed):
+                        if self.ends.given[end][e] or not (upwind or fixed[end]):
                             t[k] = 0.0
                     # whether the trace is that of the cell on the left
                     left_side = bool(self.ahead[f]) == upwind
