@@ -22,7 +22,8 @@ def judge(
     every isotropic bed.
 
     `found` has the conductivity of the bed by that of the particles, without radiation
-    and both over that of the gas; `equal` tells whether all spheres have one radius.
+    and both over that of the gas; `equal` is whether all spheres have one
+    radius.
     """
     outside = []
     for ratio, k in found.items():
