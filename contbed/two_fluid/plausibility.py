@@ -4,7 +4,7 @@ all that its scene gives.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +25,7 @@ DOUBTED, REFUSED = 1.5, 10.0  # factors on a bound beyond which a run warns, and
 # speed of particles that expand into an empty space, over the root of their granular
 # temperature
 EXPANSION = 3.0
+UPRIGHT = 0.5  # cosine of a normal that counts as downwards
 REMEDY = (
     "the run is not stable: leave out time.step or lower it, lower time.courant, "
     "or refine the mesh"
@@ -181,6 +182,25 @@ def _temperature_bounds(scene: t.TwoFluidScene) -> tuple[float, float]:
     return max(0.0, min(given) - span), max(given) + span
 
 
+def _resting_on_outlets(scene: t.TwoFluidScene, bed: Simulation) -> Iterator[str]:
+    """Yield warnings of outlets below on which particles rub: their friction acts up
+    to the outlet, as if there were particles beyond it.
+    """
+    grid, friction = bed.model.grid, bed.state.properties.rheology.p_friction
+    if scene.two_fluid.gravity == 0.0:
+        return
+    for name in of_kind(scene.boundary, Outlet):
+        faces = grid.boundaries[name]
+        below = faces[grid.geometry.normal[faces, -1] < -UPRIGHT]
+        if friction[bed.model.boundary_cells[below - grid.interior]].any():
+            yield (
+                f"{scene.origin.place(('boundary', name))}: particles rub in the cells "
+                "at this outlet, where friction holds them as if the bed went on "
+                "beyond it: they hardly leave; put the outlet below a channel of free "
+                "space, through which they fall"
+            )
+
+
 def judge(
     scene: t.TwoFluidScene, bed: Simulation, rows: Mapping[str, Any], speed: float
 ) -> list[str]:
@@ -198,6 +218,7 @@ def judge(
             f"at most about {speed:.3g} m/s"
         )
         found.append(f"{text}; {REMEDY}")
+    found += _resting_on_outlets(scene, bed)
     height = float(np.ptp(bed.model.grid.middles[:, -1]))
     # to start gas and bed needs more pressure than to keep them up
     if scene.two_fluid.gravity > 0.0 and bed.state.time * speed > height:

@@ -280,3 +280,18 @@ def test_particles_fall_during_the_whole_run_through_periodic_ends():
     fastest = result.profiles["u_solid_max [m/s]"][-1]
     assert fastest == pytest.approx(0.5 * 9.81, rel=1e-3)
     assert not any("not stable" in text for text in result.warnings)
+
+
+def test_a_bed_on_an_outlet_is_told():
+    """Its friction there holds it; on the floor it does not matter."""
+    scene = BED | {"time": {"end": 1e-4}}
+    walls = WALLS | {"top": {"type": "outlet"}}
+    slot = {"type": "outlet", "on": "bottom", "start": 0.025, "end": 0.075}
+    told = [
+        any("rub in the cells at this outlet" in text for text in warnings)
+        for warnings in (
+            cb.run(from_dict(scene | {"boundary": boundary})).warnings
+            for boundary in (walls, walls | {"slot": slot})
+        )
+    ]
+    assert told == [False, True]
