@@ -26,6 +26,7 @@ from contbed.scene.gas import GasCantera
 
 # share of u_mf: with less excess gas a place counts as not fluidized
 UNFLUIDIZED = 2e-3
+SAME_CONTENT = 0.02  # by which heights of the same particles may differ
 EVEN = 201  # heights at which the use of closures is counted
 
 
@@ -109,6 +110,23 @@ def fill(
     if c.albedo is not None:
         use = usage(optics.radiation_emissivity_half_space, albedo=c.albedo)
         result.closures.append(use.to_dict())
+
+
+def _of_expansion(scene: Any, dense: float) -> list[str]:
+    """Warn of an expansion that leaves another height without its bubbles [m] than the
+    settled bed has.
+    """
+    given = scene.bubbling_bed.settled_height
+    if scene.closures.expansion is None or given is None:
+        return []
+    if abs(dense / given - 1.0) <= SAME_CONTENT:
+        return []
+    return [
+        f"closures.expansion: without its bubbles the bed is {dense:.3g} m high, "
+        f"bubbling_bed.settled_height is {given:.3g} m: the particles of this run, and "
+        f"what depends on them, are {dense / given:.0%} of the settled ones; without "
+        "closures.expansion the volume of the bubbles gives the height"
+    ]
 
 
 def _condensing(
@@ -229,7 +247,9 @@ def _computed(
         )
     if computed.bubbling:
         emulsion = 1.0 - np.broadcast_to(local.delta, z.shape)
-        result.qoi["height_at_minimum_fluidization_m"] = float(trapezoid(emulsion, z))
+        dense = float(trapezoid(emulsion, z))
+        result.qoi["height_at_minimum_fluidization_m"] = dense
+        result.warnings += _of_expansion(plan.scene, dense)
         text = flows_down(
             plan.scene, np.broadcast_to(local.state["u_emulsion_closure"], z.shape), z
         )

@@ -92,10 +92,15 @@ def test_height_of_the_bubbling_bed(expansion):
     height = result.qoi["bed_height_m"]
     assert result.profiles["z [m]"][-1] == approx(height, rel=1e-12)
     if expansion is None:
+        assert not any("expansion" in text for text in result.warnings)
         # the trapezoidal rule of the table; the balance itself is to round-off
         assert result.qoi["height_at_minimum_fluidization_m"] == approx(0.4, rel=1e-4)
     else:
         assert 0.45 < height < 1.5
+        dense = result.qoi["height_at_minimum_fluidization_m"]
+        assert (
+            f"without its bubbles the bed is {dense:.3g} m high" in result.warnings[-1]
+        )
     direct = cb.run(
         hot(bubbling_bed={**HOT["bubbling_bed"], "height": height}, mesh={"cells": 24})
     )
