@@ -18,6 +18,7 @@ from contbed.scene.property_table import ConductivityOfSolid, HeatCapacityOfSoli
 from contbed.scene.quantities import (
     Density,
     Emissivity,
+    HeatCapacity,
     Length,
     NonNegative,
     Position,
@@ -123,6 +124,10 @@ class Fuel(Table):
     """mass fraction as received"""
     ash: MinorFraction = 0.0
     """mass fraction of the dry fuel"""
+    ash_heat_capacity: HeatCapacity = 1000.0
+    """of the ash that is fed and leaves; volatile matter has 1500 J/kg/K, char and
+    moisture those of graphite and water, so that solids.NAME.heat_capacity counts for
+    the mixing of heat alone"""
     volatile_matter: MinorFraction
     """mass fraction of the dry, ash-free fuel; the rest is fixed carbon"""
     ultimate: Ultimate

@@ -397,6 +397,14 @@ def test_reactions_that_cannot_run_are_named():
     assert "x_O2_wet" not in result.qoi
 
 
+def test_ash_has_the_heat_capacity_of_its_fuel():
+    """To rounding, above 298.15 K; 1000 J/kg/K by default."""
+    for keys, expected in (({}, 1e5), ({"ash_heat_capacity": 840.0}, 0.84e5)):
+        scene = from_dict(changed(tables(), {FUEL: {**COAL, **keys}}))
+        (ash,) = plan(scene).coefficients.computed.chemistry.part.ash
+        assert ash.enthalpy(398.15) == approx(expected, rel=1e-12)
+
+
 def test_a_fuel_of_nearly_all_ash_needs_its_heating_value():
     """The formula of Channiwala and Parikh holds up to 71 % of ash; at 99 % it gives
     less than nothing.

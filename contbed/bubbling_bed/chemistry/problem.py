@@ -25,7 +25,8 @@ from contbed.materials.composition import mole_fractions
 from contbed.scene.mechanism import find_mechanism
 from contbed.scene.reactions import Reaction
 
-CP_VOLATILES, CP_ASH = 1500.0, 1000.0  # [J/kg/K]
+CP_VOLATILES = 1500.0  # [J/kg/K]
+CP_INERT = 1000.0  # of what is not CaCO3 in limestone [J/kg/K]
 LEAST = 1e-6  # surface that a fuel has even when there is none of it [m2/m]
 
 
@@ -395,10 +396,11 @@ def _solids(
             held / bed.height,
         )
 
-    def add_ash(phase: str, rate: float) -> None:
+    def add_ash(phase: str, rate: float, heat_capacity: float) -> None:
         if rate:
             T = scene.solids[phase].feed.temperature
-            ash.append(model.Ash(phase, fed(phase, rate), T, _linear(0.0, CP_ASH)))
+            enthalpy = _linear(0.0, heat_capacity)
+            ash.append(model.Ash(phase, fed(phase, rate), T, enthalpy))
 
     if (fuel := scene.fuel) is not None and data is not None:
         times = {
@@ -415,7 +417,7 @@ def _solids(
         ):
             if rate:
                 add(fuel, name, enthalpy, rate, rate * times.get(name, kept), scale)
-        add_ash(fuel, data.ash)
+        add_ash(fuel, data.ash, scene.solids[fuel].fuel.ash_heat_capacity)
     if (stone := scene.limestone) is not None:
         flow = scene.solids[stone].feed.mass_flow
         purity = scene.solids[stone].limestone.purity
@@ -423,7 +425,7 @@ def _solids(
         for name, part in (("CaCO3", 0.1), ("CaO", 0.7), ("CaSO4", 0.2)):
             enters = rate if name == "CaCO3" else 0.0
             add(stone, name, species[name].enthalpy, enters, part * rate * kept, 1.0)
-        add_ash(stone, flow * (1.0 - purity))
+        add_ash(stone, flow * (1.0 - purity), CP_INERT)
     return solids, tuple(ash)
 
 
