@@ -284,7 +284,7 @@ def test_a_front_without_heat_leaves_the_temperature():
         """
         boundary.left.gas.temperature = 300.0
         mesh.cells = 6
-        time.end = 0.3
+        time.end = 0.15
         packed_bed.gas_storage = "stored"
         initial.gas = { composition = "A:1" }
         """,

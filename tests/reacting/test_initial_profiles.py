@@ -271,7 +271,7 @@ def test_two_temperatures_go_on(tmp_path):
 @pytest.mark.parametrize("capacity", [None, 2.0], ids=["linear", "langmuir"])
 def test_particles_that_hold_gas_go_on(tmp_path, capacity):
     scene, unit = adsorber(50.0, 20.0, 0.02, capacity)
-    set_keys(scene, "mesh.cells = 40")
+    set_keys(scene, "mesh.cells = 24")
     del scene["output"]["positions"]
     whole, after = continued(tmp_path, scene, 8.0 * unit, 12.0 * unit)
     key = "q_A [mol/kg]"

@@ -185,9 +185,9 @@ def test_a_bed_that_adsorbs_and_is_flushed_against_marching(isotherm):
         ["A:1e-6, N:0.999999", "N:1"], 2.0 * unit
     )
     scene["time"] |= {"end": 4.0 * unit, "tolerance": 1e-3, "cycle": {}}
-    set_keys(scene, "mesh.cells = 6")
+    set_keys(scene, "mesh.cells = 4")
     del scene["output"]["positions"]
-    found, after = solved(scene), marched(scene, 12)
+    found, after = solved(scene), marched(scene, 8)
     key = "q_A [mol/kg]"
     # of steps
     assert found.profiles[key] == approx(

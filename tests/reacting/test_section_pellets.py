@@ -185,12 +185,12 @@ def test_rings_alike_in_time(gas):
     """
     runs = []
     for rings in (0, 2):
-        scene = in_time(cooled(2), 60.0)
+        scene = in_time(cooled(2), 30.0)
         scene["packed_bed"]["gas_storage"] = gas
         alike(scene)
         if not rings:
             del scene["packed_bed"]["section"]
-        jump = {"times": [0, 20], "values": [T_IN - 30.0, T_IN], "form": "step"}
+        jump = {"times": [0, 10], "values": [T_IN - 30.0, T_IN], "form": "step"}
         scene["boundary"]["left"]["gas"]["temperature"] = jump
         runs.append(solved(scene))
     one, section = runs

@@ -126,7 +126,7 @@ GRIDS = {
     "triangles": lambda: rectangle(0.1, 0.05, (10, 8), shape="triangle"),
     "box": lambda: grid.build(meshing.build(MeshBox(**BOX, cells=(4, 5, 6)))),
     "tetrahedra": lambda: grid.build(
-        meshing.build(MeshBox(**BOX, cells=(3, 4, 5), shape="tetrahedron"))
+        meshing.build(MeshBox(**BOX, cells=(2, 3, 4), shape="tetrahedron"))
     ),
     "axisymmetric": lambda: grid.build(
         meshing.build(

@@ -97,7 +97,7 @@ MELTING = {
 
 def test_a_store_that_melts_holds_the_latent_heat():
     """Per volume, from cold to hot: (1-eps) rho (integral of c + L), and the gas."""
-    found = cb.run(cb.load(scene_of(STORE, MELTING)))
+    found = cb.run(cb.load(scene_of(STORE, {**MELTING, "mesh.cells": 4})))
     capacity = 790.0 + (np.array([350.0, 500.0]) - 293.15) * 210.0 / 280.0
     heat = 0.6 * 2500.0 * (capacity.mean() * 150.0 + 1e5) + 0.4 * 1000.0 * 150.0
     assert found.qoi["storage_capacity_J"] == approx(0.2 * heat, rel=1e-12)
@@ -346,6 +346,7 @@ gas.temperature = 500
 temperature = 350
 [time]
 end = 160
+tolerance = 1e-2
 """
 
 
