@@ -200,7 +200,7 @@ def unit_with(powers: dict[str, float]) -> str:
     """
     if not powers:
         return "1"
-    for name in (*QUANTITIES, "kg", "W", "J", "kg/s", "W/m", "J/kg", "m**3"):
+    for name in (*QUANTITIES, "kg", "W", "J", "J/mol", "kg/s", "W/m", "J/kg", "m**3"):
         if exponents(name) == powers:
             return name
     registry = _registry()

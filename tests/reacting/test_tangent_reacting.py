@@ -9,7 +9,7 @@ from reacting_bed_scenes import danckwerts
 import contbed as cb
 from contbed.loading import from_dict, loads
 from contbed.many.derivatives.gradients import gradient, picked
-from contbed.many.derivatives.keys import key
+from contbed.many.derivatives.keys import continuous, key
 from contbed.models import MODELS
 
 
@@ -45,6 +45,37 @@ def test_danckwerts_dispersed_plug_flow():
         exact = -(ends[0] - ends[1]) / (2e-4 * at[j])
         # cells that follow errors of 1e-5 leave 1e-6 of the derivative
         assert made.derivatives[:, j] == pytest.approx([exact, exact], rel=1e-5)
+
+
+DECAY = """
+mesh = { type = "line", length = "1 m" }
+reactions.decay = { equation = "A -> B", rate = "k*c_A", parameters.k = "360 1/h" }
+[gas]
+model = "ideal_gas"
+composition = "A:0.001, N2:0.999"
+species = { A.elements.C = 1, B.elements.C = 1, N2 = {} }
+[solids.pebbles]
+diameter = "3 mm"
+[packed_bed]
+porosity = 0.4
+pressure_drop = "none"
+[boundary.left.gas]
+velocity = 0.5
+temperature = 500
+"""
+
+
+def test_a_constant_of_a_formula_with_a_unit_is_a_key():
+    """Plug flow: x = exp(-k tau), its derivative to k [1/s] -tau x."""
+    scene = loads(DECAY)
+    names = {one.name: one.unit for one in continuous(scene)}
+    assert names["reactions.decay.parameters.k"] == "1/s"
+    assert not any("elements" in name for name in names)
+    found = gradient(scene, ["x_A_out"], ["reactions.decay.parameters.k"])
+    tau = 0.4 * 1.0 / 0.5
+    assert found.at == (pytest.approx(0.1),)
+    slope = -tau * 1e-3 * np.exp(-0.1 * tau)
+    assert found.derivatives[0, 0] == pytest.approx(slope, rel=1e-6)
 
 
 def test_reformer_against_differences_on_given_cells():

@@ -22,6 +22,7 @@ from contbed.scene.names import near_names
 from contbed.scene.quantities import Table
 from contbed.scene.tables import Closure, SceneBase, from_library
 from contbed.scene.toml_lines import KeyPath, dotted, parse_key
+from contbed.scene.units import base_value, exponents, number_and_unit, unit_with
 from contbed.scene.values import at, with_value
 
 NUMERICAL_TABLES = ("solver", "output")
@@ -33,6 +34,8 @@ NUMERICAL_KEYS = (
     "size",
     "scale_factor",
 )
+PARAMETERS = "parameters"  # table of the constants of a formula, with any unit
+ATOMS = "elements"  # numbers of atoms, which do not change a little
 _ITEM = re.compile(r"(.*)\[(\d+)\]$")
 _LOWER = {"exclusiveMinimum": True, "gt": True, "minimum": False, "ge": False}
 _UPPER = {"exclusiveMaximum": True, "lt": True, "maximum": False, "le": False}
@@ -95,7 +98,7 @@ def key(scene: SceneBase, name: str) -> Key:
     root = schema.of(model_of(scene).scene)
     ways = [way for node in schema.at(root, path) for way in schema.options(node)]
     is_switch = any(way.get("type") == "boolean" for way in ways)
-    value, problem = at(scene, path), None
+    value, problem = _in_si(path, at(scene, path)), None
     if isinstance(value, Table | dict):
         problem = (
             "is a table; give one of its keys: "
@@ -169,14 +172,27 @@ def _numbers(part: Any, above: KeyPath) -> Iterator[tuple[KeyPath, float]]:
         given = part
     else:
         given = dict(enumerate(part))
-    for name, value in given.items():
+    for name, given_value in given.items():
         path = (*above, name)
-        if _is_numerical(path):
+        if _is_numerical(path) or ATOMS in path:
             continue
+        value = _in_si(path, given_value)
         if isinstance(value, float) and math.isfinite(value):
             yield path, value
         elif isinstance(value, Table | dict | tuple | list):
             yield from _numbers(value, path)
+
+
+def _in_si(path: KeyPath, value: Any) -> Any:
+    """Return the constant of a formula in SI base units, "3 1/h"; other values as they
+    are.
+    """
+    if not isinstance(value, str) or PARAMETERS not in path[:-1]:
+        return value
+    try:
+        return base_value(value)
+    except ValueError:
+        return value
 
 
 def _is_numerical(path: KeyPath) -> bool:
@@ -206,6 +222,9 @@ def _key(scene: SceneBase, path: KeyPath, value: float) -> Key:
             low, high = interval.low, interval.high
             low_is_open, high_is_open = not interval.closed[0], not interval.closed[1]
     unit = schema.unit(root, path) or "1"
+    constant = at(scene, path)
+    if isinstance(constant, str):
+        unit = unit_with(exponents(number_and_unit(constant)[1]))
     return Key(dotted(path), path, value, unit, low, high, low_is_open, high_is_open)
 
 
