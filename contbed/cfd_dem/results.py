@@ -17,7 +17,6 @@ from contbed.cfd_dem.history import History
 from contbed.cfd_dem.plan import GasPlan
 from contbed.dem.failure import STRIDE
 from contbed.dem.simulation import Simulation
-from contbed.dem.softness import GRAVITY
 from contbed.result import Result
 
 # K; heat that warms the particles by less is not known to the ten digits that balances
@@ -42,9 +41,7 @@ def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
         }
     result.qoi |= {
         "time [s]": bed.time,
-        "bed_weight [Pa]": float(bed.simulation.mass.sum())
-        * GRAVITY
-        / float(np.prod(plan.scene.particles.width)),
+        "bed_weight [Pa]": _weight(plan, bed.simulation),
         "above_grid": bed.above,
         "porosities_raised": bed.gas.counts["raised"],
     }
@@ -62,6 +59,12 @@ def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
         result.warnings.append(_shorter(bed.simulation))
     if history.average.count:
         _fill_averages(result, plan, bed, history)
+
+
+def _weight(plan: GasPlan, simulation: Simulation) -> float:
+    """Return the weight of the particles over the cross-section [Pa]."""
+    weight = -float(simulation.gravity[2]) * float(simulation.mass.sum())
+    return weight / float(np.prod(plan.scene.particles.width))
 
 
 def _shorter(simulation: Simulation) -> str:

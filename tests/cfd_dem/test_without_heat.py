@@ -78,3 +78,13 @@ def test_a_run_ends_at_its_end_with_a_sample(end, until, times):
 def test_times_that_have_no_effect_are_told(old, new, said):
     told = loads(SCENE.replace(old, new)).warnings
     assert any(said in text for text in told), told
+
+
+def test_the_weight_of_a_bed_is_that_by_its_gravity():
+    """60 spheres of 2 mm over 144 mm2; none without gravity."""
+    weight = 60 * 2500 * np.pi / 6 * 8e-9 * 9.81 / 144e-6
+    for more, expected in (("", weight), ("gravity = false, ", 0.0)):
+        scene = SCENE.replace("count = 60", f"{more}count = 60, fixed = true")
+        scene = scene.replace("end = 0.02, sample = 0.01", "end = 1e-3, sample = 1e-3")
+        qoi = cb.run(loads(scene)).qoi
+        assert qoi["bed_weight [Pa]"] == pytest.approx(expected, rel=1e-12)
