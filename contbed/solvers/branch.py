@@ -79,11 +79,19 @@ class Branch:
         return {name: np.array([each[name] for each in rows]) for name in rows[0]}
 
     def report(self, parameter: str, result: Any) -> None:
-        """Add the folds to a result, and a warning where the branch ends too early."""
+        """Add the folds to a result, and a warning where the branch does not reach the
+        other end of the range.
+        """
         if not self.complete:
             result.warnings.append(
                 f"the branch ends at {parameter} = {self.parameter[-1]:.6g} after "
                 f"{len(self.parameter)} points; raise continuation.points"
+            )
+        elif self.parameter[-1] == self.parameter[0]:
+            result.warnings.append(
+                "the branch turns back and leaves the range where it began, at "
+                f"{parameter} = {self.parameter[0]:.6g}; states that need values beyond "
+                "are not found: begin farther outside"
             )
         result.qoi |= {f"fold_{k}": p for k, (_, p, _) in enumerate(self.folds, 1)}
 
