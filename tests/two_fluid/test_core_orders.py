@@ -201,9 +201,9 @@ def test_order_on_triangles():
 @pytest.mark.parametrize("shape", ["triangles", "quadrilaterals"])
 def test_order_on_meshes_of_gmsh(shape, limited):
     """The gas remembers on faces what cells do not see, or p is noise over dt and
-    velocities keep an order of 1.2. Errors of one mesh scatter by a third, hence a
-    quarter of the size of cells.
+    velocities keep an order of 1.2. Errors of one mesh scatter by a third, hence a third
+    of the size of cells.
     """
-    coarse, fine = (errors(n, shape, limited) for n in (12, 48))
-    observed = dict(zip(NAMES, 0.5 * np.log2(coarse / fine), strict=True))
+    coarse, fine = (errors(n, shape, limited) for n in (12, 36))
+    observed = dict(zip(NAMES, np.log(coarse / fine) / np.log(3.0), strict=True))
     assert min(observed.values()) > 1.8, observed
