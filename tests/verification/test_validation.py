@@ -155,7 +155,7 @@ def test_command_writes_table_picture_and_summary(tank, tmp_path, capsys):
 
 @each_case(__file__, "mistakes_in_a_case")
 def test_mistakes_in_a_case(tank, old, new, words):
-    """Each mistake names the file, the line and the key before anything runs."""
+    """Each mistake names the file, the line and the key."""
     text = (tank / "case.toml").read_text()
     assert old in text
     (tank / "case.toml").write_text(text.replace(old, new))

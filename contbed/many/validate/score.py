@@ -21,13 +21,15 @@ import numpy as np
 
 from contbed.arrays import Array
 from contbed.closures.binding import scaled
-from contbed.fields import header
+from contbed.errors import SceneError
+from contbed.fields import header, name_of
 from contbed.many.tables import row_at
 from contbed.many.validate import levels, signal
 from contbed.many.validate.case import Case
 from contbed.many.validate.deviations import Compared, score
 from contbed.result import Result
 from contbed.runner import run
+from contbed.scene.names import nearest
 
 
 @dataclass(frozen=True)
@@ -140,17 +142,22 @@ def _variations(case: Case) -> Iterator[tuple[str, list[Result]]]:
 def at(case: Case, result: Result, t: Array, x: Array) -> Array:
     """Return the predicted quantity at times [s] and positions [m] at which the run
     has output, shape (points,).
+
+    Raises
+    ------
+    SceneError : the run has no profile of the quantity
     """
-    profiles = result.profiles
+    profiles, quantity = result.profiles, case.settings.quantity
+    values = profiles.get(header(quantity))
+    if values is None:
+        known = nearest(quantity, [name_of(name) for name in profiles])
+        where = case.origin.at(("quantity",))
+        raise SceneError(f"{where}: quantity: the run has no '{quantity}'; {known}")
     if case.settings.compare == "history":
-        history: Array = np.interp(
-            t, profiles[header("t")], profiles[header(case.settings.quantity)]
-        )
+        history: Array = np.interp(t, profiles[header("t")], values)
         return history
     axis = profiles[header(result.plan.coordinate)]  # type: ignore[attr-defined]
-    return looked_up(
-        profiles[header(case.settings.quantity)], profiles[header("t")], axis, t, x
-    )
+    return looked_up(values, profiles[header("t")], axis, t, x)
 
 
 def looked_up(values: Array, times: Array, axis: Array, t: Array, x: Array) -> Array:
