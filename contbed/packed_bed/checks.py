@@ -525,14 +525,30 @@ def the_side_of_a_line_passes_heat(mesh: Mesh, boundary: Boundaries) -> Mistakes
     for key in ("type", "radiation"):
         if getattr(side, key) is not None:
             yield ("boundary", SIDE, key), "has no meaning on the side of a line"
+    heat_alone = (
+        "only heat passes through the side of a line; give coefficient and ambient, or "
+        "heat_flux"
+    )
+    if side.temperature is not None:
+        yield ("boundary", SIDE, "temperature"), heat_alone
+        return
     for path, _, condition in conditions_of({SIDE: side}):
         for key in ("velocity", "temperature", "fixed_temperature"):
             if getattr(condition, key) is not None:
-                yield (
-                    (*path, key),
-                    "only heat passes through the side of a line; give "
-                    "coefficient and ambient, or heat_flux",
-                )
+                yield (*path, key), heat_alone
+
+
+def temperatures_are_those_of_walls(mesh: Mesh, boundary: Boundaries) -> Mistakes:
+    """Check that a temperature of the whole bed is that of a wall."""
+    for name, table in boundary.items():
+        beside = isinstance(mesh, MeshLine) and name == SIDE
+        ends = table.type in (None, "inlet", "outlet")
+        if table.temperature is not None and ends and not beside:
+            yield (
+                ("boundary", name, "temperature"),
+                "that of a wall, which both phases take: give "
+                'type = "wall" with it; gas.temperature is that of a stream',
+            )
 
 
 def phases_conduct_what_they_get(
@@ -643,6 +659,7 @@ CHECKS: tuple[Check, ...] = (
     the_inside_of_particles_fits_the_scene,
     a_cycle_changes_something,
     the_side_of_a_line_passes_heat,
+    temperatures_are_those_of_walls,
     phases_conduct_what_they_get,
     closures_exist,
 )

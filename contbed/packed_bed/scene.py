@@ -221,14 +221,8 @@ class Boundary(WallHeat):
 
     @model_validator(mode="after")
     def _heat_once(self) -> Boundary:
-        if self.temperature is not None:
-            if self.passes_heat:
-                raise ValueError("give temperature, coefficient or heat_flux")
-            if self.type in (None, "inlet", "outlet"):
-                raise ValueError(
-                    "temperature is that of a wall, which both phases take: give "
-                    'type = "wall" with it; gas.temperature is that of a stream'
-                )
+        if self.temperature is not None and self.passes_heat:
+            raise ValueError("give temperature, coefficient or heat_flux")
         if self.whole and (self.gas is not None or self.solids):
             raise ValueError(
                 "give heat through the wall here, for the whole bed, or in gas and "

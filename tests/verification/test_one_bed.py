@@ -206,6 +206,13 @@ def test_a_bed_between_plates_by_two_models(tmp_path):
         ({"boundary.left.type": "inlet"}, "gas.temperature is that of a stream"),
         ({"boundary.left.gas.heat_flux": 1.0}, "not in both"),
         ({"boundary.left.heat_flux": 1.0}, "temperature, coefficient or heat_flux"),
+        (
+            {
+                "mesh": {"type": "line", "length": 0.02, "diameter": 0.1},
+                "boundary.wall.temperature": 300.0,
+            },
+            r"boundary\.wall\.temperature = 300.0: only heat passes through the side",
+        ),
     ],
 )
 def test_walls_have_one_condition_of_the_whole_bed(changes, text):
