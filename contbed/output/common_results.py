@@ -64,6 +64,12 @@ COMMON = (
         ("T_solid_mean_K", "T_solid_mean [K]"),
         ("T_solid [K]", "T_NAME [K]"),
     ),
+    Common(
+        "heat_NAME",
+        "W",
+        "heat into the bed through a boundary, in the mean",
+        ("heat_NAME_W",),
+    ),
     Common("bed_height", "m", "height of the bed", ("bed_height_m", "height [m]")),
     Common(
         "x_NAME_out",

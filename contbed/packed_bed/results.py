@@ -110,12 +110,7 @@ def steady_findings(
     leaving, entering = streams(problem, state)
     _outlets(leaving, result)
     _exchanger(plan, problem, entering, fluxes, (x, solid - fluid), result)
-    heats = {
-        name: value + sum(fluxes[name].values()) for name, value in conducted.items()
-    }
-    result.qoi |= {
-        f"heat_{plan.as_written(name)}_W": value for name, value in heats.items()
-    }
+    result.qoi |= _heats(plan, fluxes, conducted)
     for inside, otherwise in (
         ("tubes", "immersed_tubes"),
         ("species", "radiating_species"),
@@ -129,6 +124,30 @@ def steady_findings(
     if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
         gap = _theta(solid, span) - _theta(fluid, span)
         _equilibrium(x, gap, 0.5 * (_theta(solid, span) + _theta(fluid, span)), result)
+
+
+def _heats(plan: Plan, fluxes: Any, conducted: Any) -> dict[str, float]:
+    """Return the heat through each boundary by its result."""
+    return {
+        f"heat_{plan.as_written(name)}_W": value + sum(fluxes[name].values())
+        for name, value in conducted.items()
+    }
+
+
+def wall_findings(
+    plan: Plan, fluxes: Any, conducted: Any, time: float, result: Result
+) -> None:
+    """Report the mean heat through each wall over a run of some time [s], from the
+    heat through all boundaries [J].
+    """
+    walls = {
+        name: value
+        for name, value in conducted.items()
+        if plan.roles.get(name) not in PASSED
+    }
+    heats = _heats(plan, fluxes, walls)
+    result.qoi |= {name: heat / time for name, heat in heats.items() if heat}
+    result.units |= power_units(result.qoi, plan.scene.mesh)
 
 
 def _equilibrium(x: Any, gap: Any, mean: Any, result: Result) -> None:

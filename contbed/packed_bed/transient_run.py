@@ -13,7 +13,7 @@ from contbed.fem.probe import Line
 from contbed.output.progress import Progress
 from contbed.packed_bed.of_stores import store_findings
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.results import transient_findings
+from contbed.packed_bed.results import transient_findings, wall_findings
 from contbed.packed_bed.run_parts import Solved, check_state, heat_balance
 from contbed.packed_bed.time_steps import (
     HeatHistory,
@@ -126,6 +126,7 @@ class Run:
             )
         transient_findings(plan, self.line, problem, history, result)
         if history.steps:
+            wall_findings(plan, fluxes, conducted, history.time, result)
             totals = by_streams(fluxes, conducted)
             store_findings(plan, self.line, problem, history, totals, result)
         snapshots = list(history.kept.values())
