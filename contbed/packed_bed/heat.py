@@ -236,15 +236,18 @@ class HeatProblem:
         """
         found = []
         for name in self.mesh.boundaries:
+            reached = [phase for phase in PHASES if self._reaches(name, phase)]
+            table = self.scene.boundary.get(name)
+            of_bed = table is not None and table.temperature is not None
             for phase in PHASES:
                 condition = self.build.condition(name, phase)
                 if condition is not None and condition.fixed_temperature is not None:
-                    if self._reaches(name, phase):
+                    if phase in reached:
                         nodes = self.system.nodes(
                             f"T_{phase}", self.mesh.skfem.boundaries[name]
                         )
                         found.append((nodes, name, phase, condition.fixed_temperature))
-                    else:
+                    elif not (of_bed and reached):
                         key = key_of(
                             self.scene.boundary, name, phase, "fixed_temperature"
                         )

@@ -204,6 +204,20 @@ def test_a_bed_between_plates_by_two_models(tmp_path):
         assert taken == pytest.approx(rise, rel=1e-2)
 
 
+def test_a_wall_acts_on_the_phase_that_conducts():
+    """The gas of the packed bed conducts nothing, which is no reason to warn; that
+    nothing conducts is.
+    """
+
+    def is_idle(**changes):
+        keys = {"model": "packed_bed"} | changes
+        found = cb.run(loads(BETWEEN_PLATES, overrides=keys)).warnings
+        return any("boundary.left.temperature has no effect" in text for text in found)
+
+    assert not is_idle()
+    assert is_idle(**{"closures.conductivity_solids": 0.0})
+
+
 @pytest.mark.parametrize(
     ("changes", "text"),
     [
