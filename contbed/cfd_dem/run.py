@@ -30,6 +30,7 @@ from contbed.dem.simulation import LISTS
 from contbed.materials.constants import fluid_of
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
+from contbed.scene.moments import ROUNDING
 
 if TYPE_CHECKING:
     from contbed.output.checkpoint import Keeper
@@ -41,7 +42,7 @@ RESTART_MAY_CHANGE = (
     "output.fields",
 )
 
-ROUNDING = 1e-9  # share by which times that are the same may differ
+
 # arrays of a checkpoint that are longer later in a run
 GROWS = ("rows", "file_times", "Re", "eps", *(f"particles_{name}" for name in LISTS))
 

@@ -72,7 +72,7 @@ def _conduct(plan: ParticlePlan, result: Result, folder: Path | None) -> None:
         k = _by_conduction(plan, pairs, parts, found.mean)
         judged = {ratio: k / scene.k_gas} | conducted
         result.warnings += plausibility.judge(
-            judged, plan.porosity, scene.particles.paths, bool(np.ptp(plan.radius) == 0)
+            judged, plan.porosity, scene.particles.paths, _radii(plan).ndim == 0
         )
 
 

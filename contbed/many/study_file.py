@@ -106,7 +106,12 @@ def unit_of(name: str) -> str | None:
         path = parse_key(name)
     except ValueError:  # the scene reports what is wrong with the key
         return None
-    return ANY if "parameters" in path[:-1] else unit(path)
+    return ANY if is_constant(path) else unit(path)
+
+
+def is_constant(path: KeyPath) -> bool:
+    """Return whether a key is a constant of a formula, which takes any unit."""
+    return "parameters" in path[:-1]
 
 
 def relocated(problem: str, places: Mapping[str, str]) -> tuple[str, str]:

@@ -236,18 +236,15 @@ class HeatProblem:
         """
         found = []
         for name in self.mesh.boundaries:
-            reached = [phase for phase in PHASES if self._reaches(name, phase)]
-            table = self.scene.boundary.get(name)
-            of_bed = table is not None and table.temperature is not None
             for phase in PHASES:
                 condition = self.build.condition(name, phase)
                 if condition is not None and condition.fixed_temperature is not None:
-                    if phase in reached:
+                    if self._reaches(name, phase):
                         nodes = self.system.nodes(
                             f"T_{phase}", self.mesh.skfem.boundaries[name]
                         )
                         found.append((nodes, name, phase, condition.fixed_temperature))
-                    elif not (of_bed and reached):
+                    elif not self._reaches_the_other(name, phase):
                         key = key_of(
                             self.scene.boundary, name, phase, "fixed_temperature"
                         )
@@ -285,6 +282,12 @@ class HeatProblem:
             for name, part, wall in self.boundary_terms
             if (name, wall.phase) == (boundary, phase)
         )
+
+    def _reaches_the_other(self, boundary: str, phase: str) -> bool:
+        """Return whether a temperature that both phases take acts on the other one."""
+        of_bed = self.scene.boundary[boundary].temperature is not None
+        other = next(each for each in PHASES if each != phase)
+        return of_bed and self._reaches(boundary, other)
 
     @property
     def nodal_modes(self) -> Modes | None:

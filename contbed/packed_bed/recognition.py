@@ -179,7 +179,7 @@ def curved_inlet(scene: s.Scene) -> str:
 
 
 def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
-    """Return "inlet", "outlet", "wall" or "no_slip" of one boundary."""
+    """Return "inlet", "outlet", "slip" or "no_slip" of one boundary."""
     given = role(scene.mesh, tuple(velocity.tolist()), name, scene.boundary)
     if given is not None:
         return given
@@ -220,7 +220,7 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
 
 
 def roles_in_flow(scene: s.Scene, mesh: Mesh) -> dict[str, str]:
-    """Return "inlet", "outlet", "wall" or "no_slip" of each boundary."""
+    """Return "inlet", "outlet", "slip" or "no_slip" of each boundary."""
     velocity = velocities(scene)[0]
     return {name: role_in_flow(scene, mesh, name, velocity) for name in mesh.boundaries}
 

@@ -42,12 +42,18 @@ def conversions_are_known(
     """Check that what takes the conversion of a solid has a solid that reacts to
     another: the conversion is counted by what has become of it in the bed.
     """
-    species = species_named(gas, boundary, solids, reactions, origin)
+    takers = {}
     for name, table in reactions.items():
         law = find_law(name, table)
         of_formula = table.rate is not None and "X" in _names_in(table.rate)
-        if species is None or not (of_formula or (law is not None and law.of_solids)):
-            continue
+        if of_formula or (law is not None and law.of_solids):
+            takers[name] = (table, of_formula)
+    species = (
+        species_named(gas, boundary, solids, reactions, origin) if takers else None
+    )
+    if species is None:
+        return
+    for name, (table, of_formula) in takers.items():
         moles = stoichiometry(name, table)
         of_solids = [n for each, n in moles.items() if each in species[1]]
         if any(n < 0 for n in of_solids) and not any(n > 0 for n in of_solids):

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.errors import SceneError
+from contbed.many.study_file import is_constant
 from contbed.models import model_of
 from contbed.scene import schema
 from contbed.scene.library import MATERIALS
@@ -34,7 +35,6 @@ NUMERICAL_KEYS = (
     "size",
     "scale_factor",
 )
-PARAMETERS = "parameters"  # table of the constants of a formula, with any unit
 ATOMS = "elements"  # numbers of atoms, which do not change a little
 _ITEM = re.compile(r"(.*)\[(\d+)\]$")
 _LOWER = {"exclusiveMinimum": True, "gt": True, "minimum": False, "ge": False}
@@ -187,7 +187,7 @@ def _in_si(path: KeyPath, value: Any) -> Any:
     """Return the constant of a formula in SI base units, "3 1/h"; other values as they
     are.
     """
-    if not isinstance(value, str) or PARAMETERS not in path[:-1]:
+    if not isinstance(value, str) or not is_constant(path):
         return value
     try:
         return base_value(value)
