@@ -18,6 +18,8 @@ from contbed.two_fluid.compiled import SMALLEST, Array, Indices, inner, kernel
 from contbed.two_fluid.fv.grid import Geometry, Grid
 
 WALL, GIVEN, OUTLET = 0, 1, 2  # kinds of condition on a face
+# cosine between the vertical and a normal above which a face is floor or roof
+MIN_UPRIGHT = 0.5
 # share of its speed with which a wall may move along its normal: rounding
 IN_PLANE = 1e-9
 
@@ -63,6 +65,8 @@ class InletCondition:
 class OutletCondition:
     """Gas and solids leave freely against a `pressure` [Pa]; gas may come back,
     solids may not.
+
+    Nothing beyond it holds particles that rub, but below a roof they lie.
     """
 
     pressure: float = 0.0

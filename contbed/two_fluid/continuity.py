@@ -57,6 +57,8 @@ def advance(state: State, dt: float, model: Model) -> Moved:
         state.properties.drag,
         state.properties.rheology.stiffness,
         model.materials.rho_solid,
+        model.open_faces
+        * (state.properties.rheology.p_friction[model.boundary_cells] > 0.0),
     )
     system, flux, counters = (
         empty_system(g, 1),

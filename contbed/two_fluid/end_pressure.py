@@ -8,15 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contbed.two_fluid.boundary import OUTLET, Edge
+from contbed.two_fluid.boundary import MIN_UPRIGHT, OUTLET, Edge
 from contbed.two_fluid.compiled import Array, Indices
 from contbed.two_fluid.fv.grid import Grid
 
 # share of the height of the bed by which faces of one end may lie lower or higher
 LEVEL = 1e-6
-# cosine between the vertical and the normal of a face above which it counts as floor or
-# roof
-MIN_UPRIGHT = 0.5
 
 
 class EndPressure(NamedTuple):

@@ -47,6 +47,7 @@ class Cells(NamedTuple):
     rho_gas [kg/m3], eps_s, drag K = beta/eps_s [kg/m3/s], kinetic P [m2/s2], friction
     h [m2/s2], p [Pa]
     resting : whether particles rest in or beside a cell
+    open (nb,) : 1 at outlets through which friction pushes particles out
     rho_solid [kg/m3], gravity (dim,) [m/s2] : of all cells
     """
 
@@ -57,6 +58,7 @@ class Cells(NamedTuple):
     friction: Array
     p: Array
     resting: Flags
+    open: Array
     rho_solid: float
     gravity: Array
 
@@ -347,12 +349,13 @@ def predict_on_boundary(
             weight += g.normal[f, k] * cells.gravity[k]
             if g.skewed:
                 cross_p += g.non_orthogonal[f, k] * gradients.forces.p[c, k]
+        push = weight + cells.open[b] * cells.friction[c] / distance
         a_g, a_s = drag_numbers(dt, cells.drag[c], s, s, rho_g, rho_s)
         hg += kept_residual(dt, hg, a_g, distance) * gradients.residual[f]
         move_g, move_s = mobilities(dt, a_g, a_s, rho_g, rho_s)
         u_g, u_s = eliminate_drag(
             hg + dt * (weight - cross_p / rho_g),
-            hs + dt * (weight - cross_p / rho_s),
+            hs + dt * (push - cross_p / rho_s),
             a_g,
             a_s,
         )

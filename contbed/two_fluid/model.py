@@ -113,6 +113,15 @@ class Model:
         return cells
 
     @cached_property
+    def open_faces(self) -> Array:
+        """1 at boundary faces (nb,) beyond which nothing holds particles that rub:
+        outlets, but for those of a roof, below which they lie.
+        """
+        up = -self.grid.geometry.normal[self.grid.interior :] @ self.gravity
+        roof = up > boundary.MIN_UPRIGHT * np.linalg.norm(self.gravity)
+        return np.where(roof, 0.0, self.edge.solid.kind == boundary.OUTLET)
+
+    @cached_property
     def ends(self) -> tuple[EndPressure, EndPressure]:
         """Pressure of floor and roof."""
         return end_pressure(self.grid, self.edge, -1), end_pressure(

@@ -81,7 +81,15 @@ def project(
     rho_gas = materials.rho_gas * density_ratio(energy) * np.ones(len(eps_s))
     friction = properties.rheology.h
     acting = properties.drag, kinetic, friction, state.p
-    cells = Cells(rho_gas, eps_s, *acting, resting, materials.rho_solid, model.gravity)
+    cells = Cells(
+        rho_gas,
+        eps_s,
+        *acting,
+        resting,
+        model.open_faces,
+        materials.rho_solid,
+        model.gravity,
+    )
     velocities = Velocities(h_gas, h_solid, state.u_gas, state.u_solid)
     gradients = FaceGradients(grad_gas, grad_solid, forces, state.memory.face_residual)
     nf = len(g.left)

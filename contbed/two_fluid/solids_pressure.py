@@ -47,13 +47,15 @@ class Solids(NamedTuple):
     """Solids at the start of a step.
 
     Fraction (nc,), K = beta/eps_s (nc,) [kg/m3/s] and stiffness d p_solid/d eps_s/rho_s
-    (nc,) [m2/s2]; density [kg/m3].
+    (nc,) [m2/s2]; density [kg/m3]; `open` (nb,),
+    1 at boundary faces through which friction pushes particles out.
     """
 
     eps_s: Array
     drag: Array
     stiffness: Array
     rho: float
+    open: Array
 
 
 @inner
@@ -62,6 +64,28 @@ def compaction_link(
 ) -> float:
     """Link of two cells by the pressure of the solids, which drag holds back."""
     return dt * dt * area / distance / (1.0 + dt * drag / rho)
+
+
+@inner
+def link_outlets(g: Geometry, dt: float, solids: Solids, coef: Array) -> None:
+    """Set the links `coef` (nf,) of boundary faces: of open ones with the pressure
+    outside, which does not change.
+    """
+    for f in range(g.edge_from, g.edge_to):
+        c = g.left[f]
+        coef[f] = solids.open[f - len(g.right)] * compaction_link(
+            dt, solids.drag[c], solids.rho, g.area[f], g.distance[f]
+        )
+
+
+@inner
+def push_out(g: Geometry, dt: float, coef: Array, y: Array, flux: Array) -> None:
+    """Add the flux that the change y (nc,) of p_solid/rho_s drives through outlets;
+    nothing comes back.
+    """
+    for f in range(g.edge_from, g.edge_to):
+        if coef[f] > 0.0:
+            flux[f] = max(0.0, flux[f] + coef[f] * y[g.left[f]] / dt)
 
 
 @inner
@@ -119,7 +143,6 @@ def assemble_compaction(
         rhs[c, 0] = dt * g.volume[c] * source[c]
     for f in range(len(g.left)):
         rhs[g.left[f], 0] -= dt * flux[f]
-        coef[f, 0] = 0.0
         if f >= ni:
             continue
         left, right = g.left[f], g.right[f]
@@ -137,6 +160,7 @@ def assemble_compaction(
                 if flux[f] > 0.0
                 else neighbour_weight(s[right], s[left])
             )
+    link_outlets(g, dt, solids, coef[:, 0])
 
 
 @kernel
@@ -161,6 +185,7 @@ def add_compaction_flux(
             / g.area[f]
             * sound_share(coef[f, 0], content[left, 0], content[right, 0])
         )
+    push_out(g, dt, coef[:, 0], y[:, 0], flux)
 
 
 @kernel

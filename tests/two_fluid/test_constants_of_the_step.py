@@ -17,6 +17,7 @@ from contbed.two_fluid.linear.cg import empty_system
 from contbed.two_fluid.model import Options
 from contbed.two_fluid.solids_pressure import (
     Solids,
+    add_compaction_flux,
     add_compaction_velocity,
     assemble_compaction,
 )
@@ -36,11 +37,32 @@ def test_cold_particles_have_hardly_any_stiffness(stiffness):
     g, count = line(1.0, 10).geometry, 10
     system, flux = empty_system(g, 1), np.zeros(11)
     solids = Solids(
-        np.full(count, 0.3), np.zeros(count), np.full(count, stiffness), 2500.0
+        np.full(count, 0.3),
+        np.zeros(count),
+        np.full(count, stiffness),
+        2500.0,
+        np.zeros(2),
     )
     assemble_compaction(g, 0.1, solids, flux, np.zeros(count), system)  # dt/dx = 1 s/m
     assert np.isfinite(system.content).all()
     assert 0.0 < (system.coef[:9] / system.content[:9]).max() < 1e-11
+
+
+def test_friction_pushes_particles_out_of_open_faces_only():
+    """By a rise y of p_solid/rho_s the flux per area grows by dt y/distance where the
+    boundary is open; nothing comes back where p_solid falls.
+    """
+    g, dt, rise = line(1.0, 10).geometry, 1e-3, 0.2
+    system, flux, velocity = empty_system(g, 1), np.zeros(11), np.empty(11)
+    solids = Solids(
+        np.full(10, 0.6), np.zeros(10), np.ones(10), 2500.0, np.array([0.0, 1.0])
+    )
+    assemble_compaction(g, dt, solids, flux, np.zeros(10), system)
+    add_compaction_flux(g, dt, system, np.full((10, 1), rise), flux, velocity)
+    assert_allclose(flux[:10], 0.0, atol=1e-15)  # no rounding: jumps of y are zero
+    assert_allclose(flux[10], dt * rise / 0.05, rtol=1e-12)  # rounding
+    add_compaction_flux(g, dt, system, np.full((10, 1), -2 * rise), flux, velocity)
+    assert flux[10] == 0.0
 
 
 @pytest.mark.parametrize(

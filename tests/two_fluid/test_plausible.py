@@ -282,16 +282,47 @@ def test_particles_fall_during_the_whole_run_through_periodic_ends():
     assert not any("not stable" in text for text in result.warnings)
 
 
-def test_a_bed_on_an_outlet_is_told():
-    """Its friction there holds it; on the floor it does not matter."""
-    scene = BED | {"time": {"end": 1e-4}}
-    walls = WALLS | {"top": {"type": "outlet"}}
-    slot = {"type": "outlet", "on": "bottom", "start": 0.025, "end": 0.075}
-    told = [
-        any("rub in the cells at this outlet" in text for text in warnings)
+SLOT = {"type": "outlet", "on": "bottom", "start": 0.02, "end": 0.04}
+BEADS = {"diameter": 1e-3, "density": 2500.0, "packing_limit": 0.63}
+SILO = {
+    "mesh": {"type": "rectangle", "length": 0.06, "height": 0.16, "cells": [18, 48]},
+    "solids": {"beads": BEADS},
+    "closures": {"friction_viscosity": "friction_viscosity_schaeffer"},
+    "boundary": WALLS
+    | {name: {"type": "symmetry"} for name in ("left", "right")}
+    | {"top": {"type": "outlet"}, "slot": SLOT},
+    "initial": {
+        "layer": [{"end": 0.14, "solids": {"beads": {"volume_fraction": 0.6}}}]
+    },
+    "time": {"end": 0.2, "sample": 0.1},
+}
+
+
+def test_a_silo_discharges_through_a_slot():
+    """Beverloo's rate for a slot of width D, 1.03 rho_bulk sqrt(g) (D - 1.4 d_p)^1.5
+    (Nedderman 1992, Statics and kinematics of granular materials, ISBN 0521404355),
+    is 12.3 kg/s/m.
+
+    Cells of 5, 2.5 and 1.25 mm give 57, 72 and 80 % of it, in the limit of fine cells
+    about 88 %; these of 3.3 mm are to give from 55 to 80 %. If friction did not push
+    particles out, 2 % would be left.
+    """
+    result = cb.run(from_dict(BED | SILO))
+    first, last = result.profiles["solids [kg]"][1:]
+    bulk = 0.6 * BEADS["density"]
+    beverloo = 1.03 * bulk * np.sqrt(9.81) * (0.02 - 1.4e-3) ** 1.5
+    assert 0.55 < (first - last) / 0.1 / beverloo < 0.8
+    assert not any("like honey" in text for text in result.warnings)
+
+
+def test_newtonian_friction_at_an_outlet_below_is_reported():
+    """Its beads flow like honey; friction on the floor does not matter."""
+    short = {"time": {"end": 1e-4}, "closures": {}}
+    reported = [
+        any("like honey" in text for text in warnings)
         for warnings in (
-            cb.run(from_dict(scene | {"boundary": boundary})).warnings
-            for boundary in (walls, walls | {"slot": slot})
+            cb.run(from_dict(BED | SILO | short | {"boundary": boundary})).warnings
+            for boundary in (WALLS | {"top": {"type": "outlet"}}, SILO["boundary"])
         )
     ]
-    assert told == [False, True]
+    assert reported == [False, True]

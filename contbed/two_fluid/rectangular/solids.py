@@ -15,6 +15,8 @@ from contbed.two_fluid.solids_pressure import (
     compaction_link,
     compaction_stiffness,
     kept_compaction,
+    link_outlets,
+    push_out,
     sound_share,
 )
 
@@ -65,7 +67,7 @@ def assemble_compaction(
             coef[f] = compaction_link(
                 dt, mean_drag, solids.rho, g.area[f], g.distance[f]
             )
-    coef[g.edge_from : g.edge_to] = 0.0
+    link_outlets(g, dt, solids, coef)
 
 
 @kernel
@@ -94,6 +96,7 @@ def add_compaction_flux(
                 / g.area[f]
                 * sound_share(coef[f], content[left + i], content[right + i])
             )
+    push_out(g, dt, coef, change_of, flux)
 
 
 @kernel
