@@ -69,7 +69,7 @@ class Bubbles:
         of a number of rows with a bed of a height [m].
         """
         grid = self.grid
-        floor = float(grid.middles[:, -1].min())
+        floor = float(grid.spans.min())
         edges = np.linspace(0.0, height, BINS + 1)
         within = np.diff(Vessel.of(grid).below(edges))
         inside = [each for each in self.found if each[-1] - floor < height]

@@ -115,7 +115,7 @@ def largest_pressure_drop(
     walls and what outlets give.
     """
     grid, materials = bed.model.grid, bed.model.materials
-    height = float(np.ptp(grid.middles[:, -1]))
+    height = float(np.ptp(grid.spans))
     solids = depth(grid, bed.state.eps_s) / height * materials.rho_solid
     weight = (solids + materials.rho_gas) * scene.two_fluid.gravity * height
     width = min(
@@ -218,7 +218,7 @@ def judge(
         )
         found.append(f"{text}; {REMEDY}")
     found += _slow_discharge(scene, bed)
-    height = float(np.ptp(bed.model.grid.middles[:, -1]))
+    height = float(np.ptp(bed.model.grid.spans))
     # to start gas and bed needs more pressure than to keep them up
     if scene.two_fluid.gravity > 0.0 and bed.state.time * speed > height:
         late = rows["t [s]"] >= 0.5 * rows["t [s]"][-1]
@@ -235,5 +235,5 @@ def judge(
     if bed.model.heat is not None:
         from contbed.two_fluid.heat import wall_results
 
-        found += wall_results.judge(bed)
+        found += wall_results.judge(bed, scene)
     return found + wall_shear.judge(scene, bed)

@@ -29,7 +29,7 @@ class Vessel(NamedTuple):
     def of(cls, grid: Grid) -> Vessel:
         """Return the vessel that a grid fills."""
         if is_straight(grid):
-            height = float(np.ptp(grid.middles[:, -1]))
+            height = float(np.ptp(grid.spans))
             total = float(grid.geometry.volume.sum())
             return cls(np.array([0.0, height]), np.array([0.0, total]))
         heights, areas = _sections(grid, grid.geometry.volume)
@@ -55,11 +55,11 @@ class Vessel(NamedTuple):
 
 def is_straight(grid: Grid) -> bool:
     """Whether every wall between the ends is vertical."""
-    height = grid.middles[:, -1]
-    margin = LEVEL * np.ptp(height)
-    low, high = height.min() + margin, height.max() - margin
     edge = slice(grid.interior, None)
-    between = (height[edge] > low) & (height[edge] < high)
+    height, margin = grid.middles[edge, -1], LEVEL * np.ptp(grid.spans)
+    between = (height > grid.spans.min() + margin) & (
+        height < grid.spans.max() - margin
+    )
     upright = np.abs(grid.geometry.normal[edge, -1]) < LEVEL
     return bool(upright[between].all())
 
@@ -80,12 +80,7 @@ def _sections(grid: Grid, amounts: Array) -> tuple[Array, Array]:
     """Return heights (n,) [m] at which cells begin or end, and how much of the amounts
     (nc,) of the cells there is per height between them (n - 1,).
     """
-    g, ni = grid.geometry, grid.interior
-    z = grid.middles[:, -1]
-    low, high = (np.full(len(amounts), sign * np.inf) for sign in (1.0, -1.0))
-    for cells, faces in ((g.left, z), (g.right, z[:ni])):
-        np.minimum.at(low, cells, faces)
-        np.maximum.at(high, cells, faces)
+    low, high = grid.spans.T
     rate = amounts / (high - low)
     heights, place = np.unique(np.concatenate((low, high)), return_inverse=True)
     jumps = np.bincount(place, np.concatenate((rate, -rate))).astype(np.float64)

@@ -57,15 +57,20 @@ def densities_are_those_outside(
     """
     if gas.model == "constant" and gas.density_law == "constant":
         return
-    for name, part in of_kind(boundary, Outlet).items():
-        gauge = part.gas.pressure
-        if abs(gauge) > MOST_OF_A_PRESSURE * gas.pressure:
-            yield (
-                ("boundary", name, "gas", "pressure"),
-                f"{abs(gauge) / gas.pressure:.0%} of gas.pressure, at which the density "
-                f"is taken; give gas.pressure = {gas.pressure + gauge:g} and no pressure "
-                "of the outlet",
-            )
+    gauges = {
+        name: part.gas.pressure for name, part in of_kind(boundary, Outlet).items()
+    }
+    shared = min(gauges.values(), key=abs, default=0.0)
+    if abs(shared) <= MOST_OF_A_PRESSURE * gas.pressure:
+        return
+    for name, gauge in gauges.items():
+        rest = f"the rest, {gauge - shared:g}, here" if gauge != shared else "none here"
+        yield (
+            ("boundary", name, "gas", "pressure"),
+            f"a gauge pressure, {abs(gauge) / gas.pressure:.0%} of gas.pressure, at "
+            f"which the density is taken; give gas.pressure = {gas.pressure + shared:g} "
+            f"(absolute) and {rest}",
+        )
 
 
 def there_are_particles(

@@ -11,8 +11,10 @@ from skfem import MeshQuad, MeshTri
 
 import contbed as cb
 from contbed.loading import loads
+from contbed.mesh.build import build as build_mesh
 from contbed.mesh.mesh import Mesh
 from contbed.models import MODELS
+from contbed.scene.mesh import MeshRectangle
 from contbed.two_fluid.fv.grid import build
 from contbed.two_fluid.of_fluidized import bed_height, circulation, minimum_fluidization
 from contbed.two_fluid.vessel import Vessel, depth
@@ -59,6 +61,16 @@ def wedge(kind):
     points = np.stack((mesh.p[0] * (1.0 + mesh.p[1]), mesh.p[1]))
     mesh = replace(mesh, doflocs=points)
     return build(Mesh(mesh.with_boundaries({"all": lambda x: x[1] > -1.0})))
+
+
+@pytest.mark.parametrize("rows", [1, 16])
+def test_a_vessel_whose_ends_are_periodic_has_its_height(rows):
+    """One of both ends has no face of its own."""
+    mesh = build_mesh(
+        MeshRectangle(type="rectangle", length=1.0, height=2.0, cells=(2, rows))
+    )
+    grid = build(mesh, [("bottom", "top")])
+    assert depth(grid, np.full(2 * rows, 0.2)) == approx(0.4, rel=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["triangles", "quadrilaterals"])

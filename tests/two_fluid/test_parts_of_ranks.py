@@ -23,6 +23,7 @@ from contbed.two_fluid.heat.wall_layer import NOWHERE, wall_layers
 from contbed.two_fluid.model import Materials, build_model
 from contbed.two_fluid.results import across
 from contbed.two_fluid.state import zero_state
+from contbed.two_fluid.vessel import Vessel, depth
 
 SIDES = [("left", "right"), ("bottom", "top")]
 PLANE = MeshRectangle(type="rectangle", length=0.3, height=1.0, cells=(12, 20))
@@ -94,6 +95,9 @@ def test_outline_answers_as_the_grid(name):
     assert states[0].fluxes.moved.shape == states[1].fluxes.moved.shape
     assert_array_equal(whole.geometry.volume, kept.geometry.volume)
     assert_array_equal(whole.centres, kept.centres)
+    eps_s = np.where(whole.centres[:, -1] < whole.spans.mean(), 0.5, 0.1)
+    assert depth(whole, eps_s) == depth(kept, eps_s) > 0.0  # the same bits
+    assert_array_equal(Vessel.of(whole).volumes, Vessel.of(kept).volumes)
     assert whole.skewed == kept.skewed and whole.rectangular == kept.rectangular
 
 

@@ -372,11 +372,22 @@ provenance.scene = "a packing of spheres"
     assert found["heat_left_W"] == approx(exact, rel=AT_REST)
 
 
-def test_thin_cells_beside_a_coefficient_warn():
-    """A coefficient stands for a layer of k/h = 0.8 mm."""
-    for cells, warns in ((40, False), (200, True)):
-        found = cb.run(from_dict(in_scene(cells, closures__wall_heat=200.0)))
-        assert any("thinner than the layer" in text for text in found.warnings) == warns
+def test_cells_that_do_not_suit_a_coefficient_warn():
+    """A closure of 200 W/m2/K stands for a layer of k/h = 0.8 mm, in which thin cells
+    resist as well. A number acts on the middle of cells: those of 2.5 mm leave out 60 %
+    of the resistance of a bed at rest, those of 0.1 mm 6 %.
+    """
+    law = {"name": "wall_packet", "contact_time": 5.0}
+    thin, coarse = "thinner than the layer", "of the resistance, is left out"
+    for coefficient, cells, text, warns in (
+        (law, 10, thin, False),
+        (law, 1000, thin, True),
+        (200.0, 40, coarse, True),
+        (200.0, 1000, coarse, False),
+        (200.0, 1000, thin, False),
+    ):
+        found = cb.run(from_dict(in_scene(cells, closures__wall_heat=coefficient)))
+        assert any(text in warning for warning in found.warnings) == warns
 
 
 def test_a_gap_resists():

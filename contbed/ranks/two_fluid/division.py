@@ -245,6 +245,7 @@ class Division:
             whole.bandwidth,
             whole.place is not None,
             None,
+            whole.spans,
             all_faces=count,
         )
 

@@ -113,6 +113,7 @@ class Share(NamedTuple):
             self.bandwidth,
             False,
             None,
+            np.empty((0, 2)),
         )
         own, ghosts = made.left < owned, self.owner[owned:last]
         return Part(

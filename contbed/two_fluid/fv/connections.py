@@ -104,6 +104,21 @@ class Connections:
         """Number of interior faces."""
         return len(self.right)
 
+    @property
+    def spans(self) -> Array:
+        """Lowest and highest middle [m] of the faces of each cell (nc, 2), as it sees
+        them.
+        """
+        z, found = self.middles[:, -1], np.empty((len(self.cells), 2))
+        found[:] = np.inf, -np.inf
+        for cells, facets in (
+            (self.left, self.facet_left),
+            (self.right, self.facet_right),
+        ):
+            np.minimum.at(found[:, 0], cells, z[facets])
+            np.maximum.at(found[:, 1], cells, z[facets])
+        return found
+
     def links(self, faces: Indices) -> Links:
         """Return some faces in ascending order, with all cells."""
         inner, lent = faces[: np.searchsorted(faces, self.interior)], self.facets(faces)

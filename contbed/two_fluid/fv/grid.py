@@ -104,6 +104,8 @@ class Grid:
     rectangular : whether the grid has rows
     places (nc, dim) : of the cells on the lattice of a rectangular grid that no
     periodic pair closes, else None
+    spans (nc, 2) : lowest and highest middle of the faces of each cell [m]; the part of
+        a rank has none
     halo : cells that other ranks own
     """
 
@@ -116,6 +118,7 @@ class Grid:
     bandwidth: int
     rectangular: bool
     places: np.ndarray | None
+    spans: np.ndarray
     halo: Halo = WHOLE
 
     @property
@@ -228,6 +231,7 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
         c.bandwidth,
         c.place is not None,
         None if c.place is None or periodic else c.place[c.cells],
+        c.spans,
     )
 
 

@@ -84,7 +84,8 @@ def heat_is_complete(
                 "two_fluid.conductivity_gas or _solids, or a number or closure for the "
                 "coefficient"
             )
-            yield ("boundary", name, "temperature"), text
+            key = "temperature" if wall.coefficient is None else "coefficient"
+            yield ("boundary", name, key), text
 
 
 def nothing_is_heated_without_heat(

@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contbed.two_fluid.compiled import Array, Indices
+from contbed.closures.binding import named
+from contbed.two_fluid import scene as t
+from contbed.two_fluid.compiled import SMALLEST, Array, Indices
 from contbed.two_fluid.heat.model import LAYER
+from contbed.two_fluid.heat.wall_laws import PENETRATION, coefficients
 
 if TYPE_CHECKING:
     from contbed.two_fluid.simulation import Simulation
@@ -52,7 +55,7 @@ def results(
     return found
 
 
-def judge(bed: Simulation) -> list[str]:
+def judge(bed: Simulation, scene: t.TwoFluidScene) -> list[str]:
     """Return warnings of walls whose heat the mesh decides."""
     found = []
     for name, heats in _heats(bed).items():
@@ -62,24 +65,23 @@ def judge(bed: Simulation) -> list[str]:
                 f"about {error:.0%}: what enters the cells there renews the layer that "
                 "the wall heats; make these cells thinner"
             )
-    return found + [
-        f"boundary.{name}: {count} of {total} cells beside it are thinner than the layer "
-        "k/h that its coefficient stands for, whose own resistance adds to it; make them thicker, or "
-        'take closures.wall_heat = "penetration"'
-        for name, count, total in _thin_cells(bed)
-        if count > 0.5 * total
-    ]
+    return found + list(_doubted_coefficients(bed, scene))
 
 
-def _thin_cells(bed: Simulation) -> Iterator[tuple[str, int, int]]:
-    """Yield walls with a coefficient h, in how many cells beside them heat is conducted
-    across the cell more easily than h, and their number.
+def _doubted_coefficients(bed: Simulation, scene: t.TwoFluidScene) -> Iterator[str]:
+    """Yield warnings of coefficients h whose meaning does not suit the cells beside
+    their walls. They pass heat to the middle of these cells.
+
+    A closure is the resistance of the bed beside a wall: what thinner cells conduct
+    more easily adds to it. A number is often that outside of the bed: where particles
+    are stationary, the bed between wall and middle resists as well.
     """
     heat, energy, grid = bed.model.heat, bed.state.energy, bed.model.grid
     if heat is None or energy is None or heat.physics.conductivity is None:
         return
     depth = grid.geometry.volume[bed.model.boundary_cells]
     depth = depth / grid.geometry.area[grid.interior :]
+    places = list(coefficients(scene).items())
     for name, faces in _walls(bed):
         laws = heat.at_faces.law[faces]
         if np.isnan(heat.at_faces.wall[faces]).any() or laws[0] == LAYER:
@@ -88,7 +90,27 @@ def _thin_cells(bed: Simulation) -> Iterator[tuple[str, int, int]]:
         eps_s, T = bed.state.eps_s[cells], energy.T_gas[cells]
         k = np.sum(heat.physics.conductivity(eps_s, T, energy.T_solid[cells]), axis=0)
         h = heat.physics.wall_laws[int(laws[0])](eps_s, T, k)
-        yield name, int((h * depth[faces] < k).sum()), len(faces)
+        place, spec = places[int(laws[0])]
+        if named(spec):
+            if np.mean(h * depth[faces] < k) > 0.5:
+                key = f"boundary.{place}.coefficient" if place else "closures.wall_heat"
+                yield (
+                    f"boundary.{name}: cells beside it are thinner than the layer k/h "
+                    "that its coefficient stands for, whose own resistance adds to "
+                    f'it; make them thicker, or take {key} = "{PENETRATION}"'
+                )
+            continue
+        half = 0.5 * h * depth[faces] / np.maximum(k, SMALLEST)
+        speed = np.linalg.norm(bed.state.u_solid[cells], axis=1)
+        capacity = eps_s * scene.solid.density * heat.physics.cp_solid
+        conducts = speed * capacity * depth[faces] < k
+        left_out = float(np.mean(np.where(conducts, half / (1.0 + half), 0.0)))
+        if left_out > DOUBTED_ERROR:
+            yield (
+                f"boundary.{name}: its coefficient acts on the middle of the cells "
+                "beside it, where particles are stationary: conduction to there, "
+                f"{left_out:.0%} of the resistance, is left out; make these cells thinner"
+            )
 
 
 def _walls(bed: Simulation) -> Iterator[tuple[str, Indices]]:
