@@ -174,7 +174,9 @@ def _outcome(model: str, scene: SceneBase, folder: Path, quiet: bool) -> Outcome
     tables = {"profiles": result.profiles, **result.tables}
     return Outcome(
         model,
-        common_results(result.qoi, tables, tuple(getattr(scene, "solids", ()))),
+        common_results(
+            result.qoi, tables, tuple(getattr(scene, "solids", ())), result.units
+        ),
         result.timings["total"],
         sum(result.plan.unknowns().values()),
         ignored,

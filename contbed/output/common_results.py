@@ -94,6 +94,7 @@ def common_results(
     qoi: Mapping[str, Any],
     tables: Mapping[str, Mapping[str, Any]],
     solids: Sequence[str],
+    units: Mapping[str, str] | None = None,
 ) -> dict[str, Value]:
     """Return the results of a run that other models may have too, by common name.
 
@@ -102,18 +103,21 @@ def common_results(
     qoi : named results
     tables : columns by header, of "profiles" and of further tables
     solids : names of the solid phases
+    units : of named results, where that of the quantity is another one
     """
     found: dict[str, Value] = {}
     for quantity in COMMON:
-        values = _named(quantity, qoi) or _means(quantity, tables, solids)
-        for name, value in values.items():
-            found[name] = Value(value, quantity.unit, quantity.meaning)
+        keys = _named(quantity, qoi)
+        values = {name: float(qoi[key]) for name, key in keys.items()}
+        for name, value in (values or _means(quantity, tables, solids)).items():
+            unit = (units or {}).get(keys.get(name, ""), quantity.unit)
+            found[name] = Value(value, unit, quantity.meaning)
     return found
 
 
-def _named(quantity: Common, qoi: Mapping[str, Any]) -> dict[str, float]:
-    """Return the named results of a quantity by common name."""
-    found: dict[str, float] = {}
+def _named(quantity: Common, qoi: Mapping[str, Any]) -> dict[str, str]:
+    """Return the names of the results of a quantity by common name."""
+    found: dict[str, str] = {}
     for pattern in quantity.results:
         form = re.compile(re.escape(pattern).replace(NAME, "(.+)"))
         for key, value in qoi.items():
@@ -121,7 +125,7 @@ def _named(quantity: Common, qoi: Mapping[str, Any]) -> dict[str, float]:
             if match is None or not isinstance(value, int | float):
                 continue
             name = quantity.name.replace(NAME, match.group(match.lastindex or 0))
-            found.setdefault(name, float(value))
+            found.setdefault(name, key)
     return found
 
 

@@ -448,7 +448,7 @@ def a_steady_temperature_is_determined(
     tied = set()
     for side, conditions in boundary.items():
         takers = set(PHASES)
-        if conditions.passes_heat:
+        if conditions.whole:
             beside = isinstance(mesh, MeshLine) and side == SIDE
             takers = _takers(beside, insulators)
         for phase in takers:

@@ -29,6 +29,7 @@ Intervals = list[tuple[ScheduleInterval | None, Plan]]
 POINTS = 8  # of the quadrature of entropy
 EDGES = (0.1, 0.9)  # scaled temperatures between which the thermocline lies
 SAME = 1e-12
+ROUNDING = 1e-9  # of a share of all that streams could give
 
 
 @dataclass(frozen=True)
@@ -96,10 +97,11 @@ def exchanged(parts: Sequence[Part]) -> dict[str, float]:
     could = sum(part.most for part in charging), sum(part.most for part in discharging)
     if charged > 0.0 and taken > 0.0:
         out["storage_efficiency"] = taken / charged
-    if could[0] > 0.0:
-        out["effectiveness_charge"] = charged / could[0]
-    if could[1] > 0.0:
-        out["effectiveness_discharge"] = taken / could[1]
+    shares = (("charge", charged, could[0]), ("discharge", taken, could[1]))
+    for way, passed, most in shares:
+        # more than all is heat of walls beyond the temperatures of the streams
+        if most > 0.0 and passed <= most * (1.0 + ROUNDING):
+            out[f"effectiveness_{way}"] = passed / most
     stored = sum((part.exergy for part in parts if part.exergy > 0.0), 0.0)
     given = sum((-part.exergy for part in parts if part.exergy < 0.0), 0.0)
     out |= {"exergy_charged_J": stored, "exergy_discharged_J": given}

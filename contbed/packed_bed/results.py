@@ -140,13 +140,22 @@ def wall_findings(
     """Report the mean heat through each wall over a run of some time [s], from the
     heat through all boundaries [J].
     """
-    walls = {
-        name: value
-        for name, value in conducted.items()
-        if plan.roles.get(name) not in PASSED
+    from contbed.packed_bed.flow import is_across
+
+    ends = {name for name, kind in plan.roles.items() if kind in PASSED}
+    ends |= {
+        name
+        for name in plan.mesh.boundaries
+        if is_across(plan.mesh, name, plan.velocity_solid)
+    }
+    walls = {name: value for name, value in conducted.items() if name not in ends}
+    heated = {
+        f"heat_{name}_W" for name, table in plan.scene.boundary.items() if table.heated
     }
     heats = _heats(plan, fluxes, walls)
-    result.qoi |= {name: heat / time for name, heat in heats.items() if heat}
+    result.qoi |= {
+        name: heat / time for name, heat in heats.items() if heat or name in heated
+    }
     result.units |= power_units(result.qoi, plan.scene.mesh)
 
 

@@ -219,6 +219,14 @@ class Boundary(WallHeat):
     radiation: RadiationCondition | None = None
     """absent: a mirror"""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _symmetry_is_adiabatic(cls, given: Any) -> Any:
+        is_symmetry = isinstance(given, dict) and given.get("type") == "symmetry"
+        if is_symmetry and {"temperature", "coefficient", "heat_flux"} & given.keys():
+            raise ValueError('no heat passes a plane of symmetry; give type = "wall"')
+        return given
+
     @model_validator(mode="after")
     def _heat_once(self) -> Boundary:
         if self.temperature is not None and self.passes_heat:

@@ -196,6 +196,7 @@ def test_a_bed_between_plates_by_two_models(tmp_path):
     mean = 293.15 + 60.0 * (0.5 - np.sum(4.0 / (n * np.pi) ** 2 * decay))
     for outcome in made:
         assert not outcome.problem
+        assert outcome.results["heat_left"].unit == "W/m"
         found = outcome.results["T_solids_mean"].value
         assert found == pytest.approx(mean, abs=1e-3 * (mean - 293.15))
         taken = sum(outcome.results[f"heat_{side}"].value for side in ("left", "right"))
@@ -218,10 +219,33 @@ def test_a_wall_acts_on_the_phase_that_conducts():
     assert is_idle(**{"closures.conductivity_solids": 0.0})
 
 
+def test_a_phase_that_neither_conducts_nor_exchanges_is_undetermined():
+    """Walls give a steady temperature to what conducts it alone."""
+    steady = BETWEEN_PLATES.split("[initial]")[0]
+    keys = {"model": "packed_bed", "closures.nusselt": 0.0}
+    with pytest.raises(SceneError, match="temperature of the gas is undetermined"):
+        loads(steady, overrides=keys)
+
+
+def test_particles_that_leave_carry_no_heat_of_a_wall():
+    """The gas is at rest: the only wall is the one that heats."""
+    moving = loads(
+        BETWEEN_PLATES,
+        overrides={
+            "model": "packed_bed",
+            "boundary.bottom.solids.glass": {"velocity": 1e-4, "temperature": 293.15},
+        },
+    )
+    found = cb.run(moving).qoi
+    assert found["heat_left_W"] > 0.0
+    assert "heat_top_W" not in found and "heat_bottom_W" not in found
+
+
 @pytest.mark.parametrize(
     ("changes", "text"),
     [
         ({"boundary.left.type": "inlet"}, "gas.temperature is that of a stream"),
+        ({"boundary.left.type": "symmetry"}, "no heat passes a plane of symmetry"),
         ({"boundary.left.gas.heat_flux": 1.0}, "not in both"),
         ({"boundary.left.heat_flux": 1.0}, "temperature, coefficient or heat_flux"),
         (
