@@ -12,11 +12,10 @@ from contbed.errors import SceneError
 from contbed.explain.sheets import unit
 from contbed.scene.refusals import mistakes_of, table_of
 from contbed.scene.toml_lines import KeyPath, dotted, one_line, parse_key, read
-from contbed.scene.values import flat
+from contbed.scene.units import exponents, number_and_unit, unit_with
+from contbed.scene.values import flat, value_at
 
 _Table = TypeVar("_Table", bound=BaseModel)
-# unit of a constant of a formula, which takes any
-ANY = ""
 # takes the path below an entry, and what is wrong there
 Say = Callable[[KeyPath, str], None]
 
@@ -69,6 +68,19 @@ class StudyFile(Generic[_Table]):
             self.say(path, f'no such file: "{name}", looked for beside this file', key)
         return self.origin.base / name
 
+    def unit_of(self, name: str, *scenes: str) -> str | None:
+        """Return the SI unit of a dotted key, see `unit_of`, by what the first of some
+        scene files gives.
+        """
+        for scene in scenes:
+            try:
+                values, _ = read(self.origin.base / scene)
+            except SceneError:  # reported where the scene is loaded
+                continue
+            if (given := value_at(values, name)) is not None:
+                return unit_of(name, given)
+        return unit_of(name)
+
     def entries(
         self,
         at: KeyPath,
@@ -98,15 +110,20 @@ def checked(model: type[_Table], entry: Mapping[str, Any], say: Say) -> _Table |
     return None if found else model.model_validate(entry)
 
 
-def unit_of(name: str) -> str | None:
-    """Return the SI unit of a dotted key, or `ANY`; None if it has none or is not
-    known.
+def unit_of(name: str, given: Any = None) -> str | None:
+    """Return the SI unit of a dotted key; None if it has none or is not known.
+
+    A constant of a formula has that of the text which its scene gives, "3 1/h"; a plain
+    number has none, as it counts in the unit of the formula.
     """
     try:
         path = parse_key(name)
-    except ValueError:  # the scene reports what is wrong with the key
+        if is_constant(path):
+            text = isinstance(given, str)
+            return unit_with(exponents(number_and_unit(given)[1])) if text else None
+    except ValueError:  # the scene reports what is wrong
         return None
-    return ANY if is_constant(path) else unit(path)
+    return unit(path)
 
 
 def is_constant(path: KeyPath) -> bool:

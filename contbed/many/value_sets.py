@@ -32,7 +32,7 @@ from pydantic import Field
 from contbed.arrays import Array
 from contbed.errors import ContbedError
 from contbed.many.distributions import Distribution
-from contbed.many.study_file import ANY, Say, checked
+from contbed.many.study_file import Say, checked
 from contbed.scene.names import nearest
 from contbed.scene.quantities import Switch, Table, Whole
 
@@ -366,11 +366,9 @@ def number(
     """
     value = entry.get(key)
     if isinstance(value, str) and unit is not None:
-        from contbed.scene.units import base_value, to_si
+        from contbed.scene.units import to_si
 
         try:
-            if unit == ANY:
-                return base_value(value)
             return to_si(value, unit) - (
                 to_si(MAGNITUDE.sub("0 ", value), unit) if difference else 0.0
             )

@@ -69,8 +69,9 @@ class DataTable:
             f"no column with a {wanted}, such as 'name [{unit}]'{self._found()}",
         )
 
-    def column(self, name: str, unit: str) -> NDArray[np.float64]:
-        """Return the values of a column in the SI unit `unit`, shape (rows,).
+    def column(self, name: str, unit: str, gaps: bool = False) -> NDArray[np.float64]:
+        """Return the values of a column in the SI unit `unit`, shape (rows,); with
+        `gaps` an empty cell is not a number.
 
         Raises
         ------
@@ -92,6 +93,9 @@ class DataTable:
             )
         values = np.empty(len(self.cells))
         for row, (cells, line) in enumerate(zip(self.cells, self.lines, strict=True)):
+            if gaps and not cells[index].strip():
+                values[row] = np.nan
+                continue
             try:
                 values[row] = float(cells[index])
             except ValueError:

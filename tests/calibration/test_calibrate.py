@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,6 +18,7 @@ from matplotlib.figure import Figure
 from numpy.testing import assert_allclose, assert_array_equal
 
 import contbed as cb
+from contbed.errors import SceneError
 from contbed.many.calibrate.calibrate import FILE, calibrate
 from contbed.many.calibrate.experiments import Point, read_jobs
 from contbed.many.calibrate.fit import Problem, fit
@@ -55,7 +57,7 @@ predict = { results = ["residence_time_s"] }
 # A decays along an isothermal bed in plug flow: x = 0.1 exp(-k z/u)
 DECAY = """\
 mesh = { type = "line", length = "1 m" }
-reactions.decay = { equation = "A -> B", rate = "k*c_A", basis = "bed", parameters = { k = 0.1 } }
+reactions.decay = { equation = "A -> B", rate = "k*c_A", basis = "bed", parameters = { k = "6 1/min" } }
 [gas]
 model = "ideal_gas"
 composition = "A:0.1, N2:0.9"
@@ -250,6 +252,50 @@ def test_a_column_of_a_gas_is_fitted(tmp_path, monkeypatch, no_pictures):
     assert found.keys[0].prior.low == 0.5
     # of the estimated error of the cells
     assert_allclose(found.values["reactions.decay.parameters.k"], 0.7, rtol=1e-4)
+
+
+def test_a_plain_constant_takes_no_unit_in_a_study(tmp_path, monkeypatch):
+    """It counts in the unit of its formula, which a text would not."""
+    monkeypatch.chdir(tmp_path)
+    Path("scene.toml").write_text(DECAY.replace('"6 1/min"', "0.1"), encoding="utf-8")
+    Path("fractions.csv").write_text("z [m],x [1]\n0.5,0.05\n", encoding="utf-8")
+    Path("file.toml").write_text(FRACTIONS, encoding="utf-8")
+    with pytest.raises(SceneError, match="a plain number, this key has no unit"):
+        calibrate("file.toml", "out")
+
+
+def test_columns_of_constants_and_empty_cells(tmp_path, monkeypatch, no_pictures):
+    """Each row has a rate constant, 1/h in the table; a cell that is empty counts for
+    nothing.
+    """
+    monkeypatch.chdir(tmp_path)
+    scene = DECAY.replace("c_A", "f*c_A").replace("{ k = ", "{ f = 1.0, k = ")
+    Path("scene.toml").write_text(scene, encoding="utf-8")
+    rows = ["k [1/h],x [1],T [K]"]
+    for k in (360.0, 720.0, 1080.0):
+        rows.append(f"{k},{0.1 * np.exp(-1.4 * k / 3600.0 / 0.5):.12g},500")
+    rows[2] = "720,,500"
+    Path("fractions.csv").write_text("\n".join(rows), encoding="utf-8")
+    Path("file.toml").write_text(
+        """\
+profiles = false
+[keys]
+reactions.decay.parameters.f = { from = 0.5, to = 3 }
+[[experiment]]
+scene = "scene.toml"
+file = "fractions.csv"
+keys = { "reactions.decay.parameters.k" = "k" }
+values = [
+    { quantity = "x_A_out", column = "x", error = 1e-4 },
+    { quantity = "T_fluid_out_K", column = "T", error = 1.0 },
+]
+""",
+        encoding="utf-8",
+    )
+    found = calibrate("file.toml", "out")
+    assert sum(point.fitted for point in found.points) == 5
+    # of the estimated error of the cells
+    assert_allclose(found.values["reactions.decay.parameters.f"], 1.4, rtol=1e-4)
 
 
 def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(

@@ -31,8 +31,10 @@ from contbed.many.value_sets import MAGNITUDE, tidy
 from contbed.scene.data_table import DataTable, read_table
 from contbed.scene.names import nearest_of
 from contbed.scene.tables import SceneBase
+from contbed.scene.toml_lines import read
 from contbed.scene.uncertain import share_of
 from contbed.scene.units import factor_and_offset, to_si
+from contbed.scene.values import value_at
 
 OUTPUT_POSITION = re.compile(r"output\.positions\[(\d+)\]")
 NONE = math.nan
@@ -162,18 +164,19 @@ def _jobs(
         for j, value in enumerate(settings.values)
     ]
     if settings.keys:
+        scene, _ = read(origin.base / settings.scene)
         columns = {
-            key: table.column(column, unit_of(key) or "1")
+            key: table.column(column, unit_of(key, value_at(scene, key)) or "1")
             for key, column in settings.keys.items()
         }
         extra = tuple(_predicted(name, settings, t, x, predict_at))
         for index, row in enumerate(rows):
             own = {key: float(column[row]) for key, column in columns.items()}
-            here = (each[index] for each in points)
+            here = (each[index] for each in points if each[index] is not None)
             yield job_of({**settings.set, **own}, (*here, *extra))
         return
     found = (
-        *(point for each in points for point in each),
+        *(point for each in points for point in each if point is not None),
         *_predicted(name, settings, t, x, predict_at),
     )
     changes = dict(settings.set)
@@ -193,8 +196,8 @@ def _points(
     t: Array,
     x: Array,
     where: str,
-) -> list[Point]:
-    """Return the measured values of a column."""
+) -> list[Point | None]:
+    """Return the measured values of a column; None in a row where its cell is empty."""
     in_profiles = settings.time is not None or settings.position is not None
     if in_profiles and field(value.quantity) is None:
         hint = nearest_of(value.quantity, list(FIELDS))
@@ -208,11 +211,14 @@ def _points(
         if in_profiles
         else named_result(value.quantity).unit or "1"
     )
-    measured = table.column(value.column, unit)
+    measured = table.column(value.column, unit, gaps=True)
     errors = _errors(value, table, measured, unit, where)
     end = settings.until if settings.until is not None else math.inf
-    found = []
+    found: list[Point | None] = []
     for row in rows:
+        if math.isnan(measured[row]):
+            found.append(None)
+            continue
         line = f"{table.path.name}:{table.lines[row]}"
         if not errors[row] > 0.0:
             raise SceneError(
@@ -235,7 +241,7 @@ def _errors(
     not move with the zero of a scale.
     """
     if value.error_column is not None:
-        given = table.column(value.error_column, unit)
+        given = table.column(value.error_column, unit, gaps=True)
         header = table.units[table.names.index(value.error_column)] or "1"
         scale = factor_and_offset(header, unit)
         return given - (scale[1] if scale else 0.0)

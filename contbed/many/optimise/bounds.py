@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.fields import behind
-from contbed.many.study_file import ANY, Say, checked, unit_of
+from contbed.many.study_file import Say, checked, is_constant, unit_of
 from contbed.many.value_sets import Ends, number
 from contbed.scene import schema
 from contbed.scene.names import nearest
@@ -89,8 +89,9 @@ def read_key(
             "integer = false, but this key of the scene counts; leave it out",
         )
         return None
-    taken = ANY if unit_of(name) == ANY else unit
-    low, high = (_number(entry, key, taken, given, say) for key in ("from", "to"))
+    if is_constant(parse_key(name)):
+        unit = unit_of(name, value_at(scene, name)) or "1"
+    low, high = (_number(entry, key, unit, given, say) for key in ("from", "to"))
     if low is None or high is None:
         return None
     if low >= high:
@@ -106,7 +107,7 @@ def read_key(
             else same,
         )
         return None
-    start = _start(name, entry, scene, (taken, given), (low, high), say)
+    start = _start(name, entry, scene, (unit, given), (low, high), say)
     return None if start is None else DesignKey(name, unit, low, high, start, given, at)
 
 
@@ -161,7 +162,7 @@ def _start(
         start, whose = _number(entry, "start", unit, whole, say), "start"
     else:
         found = value_at(scene, name)
-        if unit == ANY and isinstance(found, str):
+        if isinstance(found, str) and is_constant(parse_key(name)):
             found = number({"start": found}, "start", unit, say)
         if not isinstance(found, int | float) or isinstance(found, bool):
             say(
