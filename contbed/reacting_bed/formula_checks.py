@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple
 
 from contbed.chemistry.laws import find_law, name_of
 from contbed.chemistry.rate_formula import QUOTIENT, SI_OF_BASIS
@@ -26,7 +27,7 @@ from contbed.scene.checking import Mistakes
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.scene.units import (
     base_value,
-    exponents,
+    counts_per_time,
     factor_and_offset,
     number_and_unit,
 )
@@ -55,9 +56,11 @@ def conversions_are_known(
         return
     for name, (table, of_formula) in takers.items():
         moles = stoichiometry(name, table)
-        of_solids = [n for each, n in moles.items() if each in species[1]]
+        if species.unknown.intersection(moles):
+            continue
+        of_solids = [n for each, n in moles.items() if each in species.constituents]
         if any(n < 0 for n in of_solids) and not any(n > 0 for n in of_solids):
-            used = next(each for each in moles if each in species[1])
+            used = next(each for each in moles if each in species.constituents)
             what = (
                 "the conversion X" if of_formula else f"the law {name_of(name, table)}"
             )
@@ -99,7 +102,7 @@ def formulas_can_be_read(
     )
     if species is None:
         return
-    gases, constituents = species
+    gases, constituents, _ = species
     for name, table in formulas.items():
         path: KeyPath = ("reactions", name, "rate")
         for key, value in table.parameters.items():
@@ -143,15 +146,20 @@ def formulas_can_be_read(
 
 
 def _rate_constants(parameters: Mapping[str, float | str]) -> Iterator[str]:
-    """Yield the parameters with a unit that counts per time, beside the time in the
-    energies and pressures of the unit, which comes with the mass.
-    """
+    """Yield the parameters with a unit that counts per time."""
     for key, value in parameters.items():
-        if isinstance(value, str):
-            _, unit = number_and_unit(value)
-            powers = exponents(unit)
-            if powers.get("second", 0.0) + 2.0 * powers.get("kilogram", 0.0):
-                yield key
+        if isinstance(value, str) and counts_per_time(number_and_unit(value)[1]):
+            yield key
+
+
+class Names(NamedTuple):
+    """Names that may be gases, those that may be constituents, and those of the gases
+    that are known from equations alone.
+    """
+
+    gases: set[str]
+    constituents: set[str]
+    unknown: set[str]
 
 
 def species_named(
@@ -160,10 +168,8 @@ def species_named(
     solids: Solids,
     reactions: Reactions,
     origin: Origin,
-) -> tuple[set[str], set[str]] | None:
-    """Return names that may be gases, and those that may be constituents; None where
-    a composition cannot be read.
-    """
+) -> Names | None:
+    """Return the names of a scene; None where a composition cannot be read."""
     try:
         mechanism = mechanism_of(gas, origin.base)
         gases = {*gases_named(gas, boundary, origin.base), *gas.species}
@@ -175,8 +181,7 @@ def species_named(
     named: set[str] = set()
     for name, table in reactions.items():
         named |= set(stoichiometry(name, table)) - constituents
-    if constituents:
-        of_mechanism = set() if mechanism is None else set(mechanism.names)
-        unknown = named - gases - of_mechanism
-        constituents |= unknown.intersection(condensed_names() if unknown else ())
-    return gases | (named - constituents), constituents
+    unknown = named - gases - (set() if mechanism is None else set(mechanism.names))
+    if constituents and unknown:
+        constituents |= unknown.intersection(condensed_names())
+    return Names(gases | (named - constituents), constituents, unknown - constituents)

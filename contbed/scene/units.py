@@ -42,7 +42,7 @@ _GAUGE = "; pressures are absolute: add that of the air and write {}"
 _ABSOLUTE = "; pressures are absolute: write {}"
 _FRACTION = re.compile(r"\s*(?:(\d+)\s+)?(\d+)\s*/\s*([1-9]\d*)(\s*[A-Za-z].*)")
 # 1000 kg to some, 2000 lb to others
-_TON = re.compile(r"(?<![A-Za-z_])tons?(?![A-Za-z_])")
+_TON = re.compile(r"(?<![A-Za-z_])(?:k|M|G|kilo|mega)?tons?(?![A-Za-z_])")
 _HINTS = {
     "barg": _GAUGE.format("bar"),
     "psig": _GAUGE.format("psi"),
@@ -189,6 +189,23 @@ def exponents(unit: str) -> dict[str, float]:
         raise ValueError(f"unknown unit '{unit}'")
     base = _registry().Quantity(1.0, found).to_base_units().units
     return {str(name): float(str(power)) for name, power in sorted(base._units.items())}
+
+
+def counts_per_time(unit: str) -> bool:
+    """Return whether a unit has a time or a power among its factors; that in an energy
+    or a pressure is none of these.
+
+    >>> [counts_per_time(unit) for unit in ("mol/kg/h", "W/m2", "mol/kg", "kJ/mol", "1/Pa")]
+    [True, True, False, False, False]
+    """
+    found, registry = _parse(unit), _registry()
+    if found is None:
+        return False
+    timely = [registry.parse_units(each).dimensionality for each in ("s", "Hz", "W")]
+    return any(
+        registry.parse_units(name).dimensionality in timely
+        for name in found._units  # names of its factors
+    )
 
 
 def unit_with(powers: dict[str, float]) -> str:
