@@ -321,8 +321,9 @@ def _fluidized(scene: b.BubblingScene, computed: Any) -> None:
         raise SceneError(
             f"{scene.origin.place(FLOW)} = {flow:g}: below minimum "
             "fluidization, "
-            f"{needed:.4g} kg/s at {T:g} K (initial.temperature); allowed: more, or no "
-            "[bubbling_bed.bubbles]"
+            f"{needed:.4g} kg/s at {T:g} K, where the search for its temperatures "
+            "begins; allowed: more, no [bubbling_bed.bubbles] or, if the bed is hotter, "
+            "initial.temperature near to its own"
         )
 
 

@@ -12,10 +12,11 @@ import numpy as np
 from contbed.errors import ConvergenceError
 from contbed.two_fluid import scene as t
 from contbed.two_fluid import wall_shear
-from contbed.two_fluid.boundary import GIVEN, MIN_UPRIGHT, OUTLET
+from contbed.two_fluid.boundary import GIVEN, OUTLET
 from contbed.two_fluid.conditions import Inlet, Outlet, SolidAtInlet, Wall, of_kind
 from contbed.two_fluid.end_pressure import end_faces
 from contbed.two_fluid.heat.checks import MAX_TEMPERATURE
+from contbed.two_fluid.solids_pressure import FrictionTable, frictional_pressure
 from contbed.two_fluid.vessel import depth
 
 if TYPE_CHECKING:
@@ -25,6 +26,9 @@ DOUBTED, REFUSED = 1.5, 10.0  # factors on a bound beyond which a run warns, and
 # speed of particles that expand into an empty space, over the root of their granular
 # temperature
 EXPANSION = 3.0
+# frictional pressure at the start over the weight, and change of the solids fraction,
+# above which a bed that expands warns
+LAID, SETTLED = 2.0, 0.01
 REMEDY = (
     "the run is not stable: leave out time.step or lower it, lower time.courant, "
     "or refine the mesh"
@@ -182,22 +186,51 @@ def _temperature_bounds(scene: t.TwoFluidScene) -> tuple[float, float]:
 
 
 def _slow_discharge(scene: t.TwoFluidScene, bed: Simulation) -> Iterator[str]:
-    """Yield warnings of outlets below through which particles that rub flow out like
-    honey.
-    """
+    """Yield warnings of outlets through which particles that rub flow out like honey."""
     grid, friction = bed.model.grid, bed.state.properties.rheology.p_friction
     if scene.closures.friction_viscosity != "friction_viscosity_newtonian":
         return
     for name in of_kind(scene.boundary, Outlet):
         faces = grid.boundaries[name]
-        below = faces[grid.geometry.normal[faces, -1] < -MIN_UPRIGHT]
-        if friction[bed.model.boundary_cells[below - grid.interior]].any():
+        edges = faces - grid.interior
+        rubbing = friction[bed.model.boundary_cells[edges]] > 0.0
+        if (bed.model.open_faces[edges] * rubbing).any():
             yield (
                 f"{scene.origin.place(('boundary', name))}: particles rub in the cells "
                 "at this outlet, and with friction_viscosity_newtonian they flow out "
                 "like honey, several times too slowly; for a discharge choose "
                 "closures.friction_viscosity = 'friction_viscosity_schaeffer'"
             )
+
+
+def _laid_too_densely(scene: t.TwoFluidScene, bed: Simulation) -> Iterator[str]:
+    """Yield a warning of a stationary bed whose friction was more than its weight at
+    the start, so that it has expanded.
+    """
+    given = [
+        (part.solids[name].volume_fraction or 0.0, name)
+        for part in scene.initial.parts
+        for name in part.solids
+    ]
+    gravity, rho = scene.two_fluid.gravity, scene.solid.density
+    volume, rubs = (
+        bed.model.grid.geometry.volume,
+        bed.state.properties.rheology.p_friction > 0.0,
+    )
+    solids = bed.state.eps_s * volume
+    if not given or gravity == 0.0 or solids[rubs].sum() <= 0.5 * solids.sum():
+        return
+    (laid, name), now = max(given), solids[rubs].sum() / volume[rubs].sum()
+    weight = depth(bed.model.grid, bed.state.eps_s) * rho * gravity
+    table = FrictionTable(*bed.model.closures.packing)
+    pressure = rho * frictional_pressure(table, laid)[0]
+    if pressure > LAID * weight and laid - now > SETTLED:
+        yield (
+            f"initial.solids.{name}.volume_fraction = {laid:g}: particles laid so densely "
+            f"push each other apart by {pressure:.3g} Pa, while the bed weighs "
+            f"{weight:.3g} Pa: it has expanded to {now:.3f}; begin with that, or for a "
+            f"bed that stays give a larger solids.{name}.packing_limit"
+        )
 
 
 def judge(
@@ -218,6 +251,7 @@ def judge(
         )
         found.append(f"{text}; {REMEDY}")
     found += _slow_discharge(scene, bed)
+    found += _laid_too_densely(scene, bed)
     height = float(np.ptp(bed.model.grid.spans))
     # to start gas and bed needs more pressure than to keep them up
     if scene.two_fluid.gravity > 0.0 and bed.state.time * speed > height:

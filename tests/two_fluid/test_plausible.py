@@ -298,6 +298,13 @@ SILO = {
 }
 
 
+SILO_AT_REST = BED | {
+    "boundary": WALLS | {"top": {"type": "outlet"}},
+    "solids": {"beads": BEADS},
+    "time": {"end": 0.3},
+}
+
+
 def test_a_silo_discharges_through_a_slot():
     """Beverloo's rate for a slot of width D, 1.03 rho_bulk sqrt(g) (D - 1.4 d_p)^1.5
     (Nedderman 1992, Statics and kinematics of granular materials, ISBN 0521404355),
@@ -313,6 +320,21 @@ def test_a_silo_discharges_through_a_slot():
     beverloo = 1.03 * bulk * np.sqrt(9.81) * (0.02 - 1.4e-3) ** 1.5
     assert 0.55 < (first - last) / 0.1 / beverloo < 0.8
     assert not any("like honey" in text for text in result.warnings)
+
+
+def test_a_bed_laid_too_densely_says_that_it_expands():
+    """Friction of 20.6 kPa at 0.6 against some 3 kPa of weight; 1 kPa at 0.58 is less."""
+    reported = [
+        any("push each other apart by 2.06e+04 Pa" in text for text in warnings)
+        for warnings in (
+            cb.run(from_dict(SILO_AT_REST | {"initial": {"layer": [layer]}})).warnings
+            for layer in (
+                {"end": 0.2, "solids": {"beads": {"volume_fraction": fraction}}}
+                for fraction in (0.6, 0.58)
+            )
+        )
+    ]
+    assert reported == [True, False]
 
 
 def test_newtonian_friction_at_an_outlet_below_is_reported():

@@ -373,11 +373,11 @@ provenance.scene = "a packing of spheres"
 
 
 def test_cells_that_do_not_suit_a_coefficient_warn():
-    """A closure of 200 W/m2/K stands for a layer of k/h = 0.8 mm, in which thin cells
-    resist as well. A number acts on the middle of cells: those of 2.5 mm leave out 60 %
+    """A closure of about 300 W/m2/K stands for a layer of k/h = 0.5 mm, in which thin
+    cells resist as well. A number acts on the middle of cells: those of 2.5 mm leave out 60 %
     of the resistance of a bed at rest, those of 0.1 mm 6 %.
     """
-    law = {"name": "wall_packet", "contact_time": 5.0}
+    law = {"name": "kunii_levenspiel_packet", "contact_time": 0.5}
     thin, coarse = "thinner than the layer", "of the resistance, is left out"
     for coefficient, cells, text, warns in (
         (law, 10, thin, False),
