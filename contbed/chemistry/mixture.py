@@ -151,15 +151,18 @@ def fuller_volume(species: Thermo) -> float:
     """Return the diffusion volume of a species, from its atoms where it is not
     tabulated.
     """
-    if species.name in FULLER_VOLUMES:
-        return FULLER_VOLUMES[species.name]
+    atoms = species.composition
+    atom = next(iter(atoms)) if sum(atoms.values()) == 1 else ""  # a noble gas
+    for name in (species.name, atom):
+        if name in FULLER_VOLUMES:
+            return FULLER_VOLUMES[name]
     unknown = [
         element for element in species.composition if element not in _FULLER_ATOMS
     ]
     if unknown or not species.composition:
         raise SceneError(
             f"no diffusion volume of {species.name} is known for Fuller's equation; "
-            "give fluid.diffusivity as a number"
+            "give gas.diffusivity as a number"
         )
     return sum(
         count * _FULLER_ATOMS[element] for element, count in species.composition.items()

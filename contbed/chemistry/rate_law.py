@@ -20,6 +20,7 @@ from contbed.chemistry.power_law import PowerLaw, product
 from contbed.chemistry.species import Species
 from contbed.chemistry.thermo import R_GAS, Equilibrium
 from contbed.closures.formula import TINY, odd_power, power
+from contbed.errors import SceneError
 from contbed.scene.reactions import Reaction
 
 BAR = 1e5  # [Pa]
@@ -67,7 +68,22 @@ class Case:
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
-        """Its equilibrium by the thermodynamics of its species."""
+        """Its equilibrium by the thermodynamics of its species.
+
+        Raises
+        ------
+        SceneError : a species has no entropy, and no factor makes up for it
+        """
+        missing = [
+            name
+            for name in self.equation.stoichiometry
+            if not self.species.all[name].has_entropy
+        ]
+        if missing and self.table.equilibrium_factor == 1.0:
+            raise SceneError(
+                f"reactions.{self.name}: the equilibrium of '{self.table.equation}' needs "
+                f"enthalpy and entropy of {' and '.join(missing)}; give them, or '->'"
+            )
         return Equilibrium(
             self.equation.stoichiometry,
             self.species.all,
@@ -103,8 +119,18 @@ class Case:
     def first_gas(self) -> tuple[str, float]:
         """The first gas on the left, which a rate of first order refers to, and its
         coefficient.
+
+        Raises
+        ------
+        SceneError : there is none
         """
-        return next((name, -n) for name, n in self.gases.items() if n < 0)
+        for name, n in self.gases.items():
+            if n < 0:
+                return name, -n
+        raise SceneError(
+            f"reactions.{self.name}: '{self.table.equation}' takes up no gas, in which this law is of first "
+            "order; give a formula, rate = ..."
+        )
 
     @cached_property
     def solid(self) -> str:

@@ -8,11 +8,12 @@ read as a formula.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from contbed.chemistry.elements import elements_of, molar_mass_of
+from contbed.chemistry.elements import ATOMIC_WEIGHTS, elements_of, molar_mass_of
 from contbed.chemistry.mixture import Mechanism
 from contbed.chemistry.thermo import (
     T_STANDARD,
@@ -46,6 +47,10 @@ class Species:
     def enthalpies(self) -> dict[str, Any]:
         """Enthalpies of gases and solids by name, functions of T [K]."""
         return {name: item.enthalpy for name, item in self.all.items()}
+
+
+# two capitals that may be one element, as in NIO
+PAIR = re.compile("[A-Z][IU]")
 
 
 def condensed_names() -> tuple[str, ...]:
@@ -96,11 +101,24 @@ def atoms_of(
     if mechanism is not None and name in names:
         return mechanism.atoms(name)
     try:
-        return elements_of(name)
+        found = elements_of(name)
     except SceneError:
         if other := in_other_case(name, names):
             raise SceneError(f"there is no {name}; write {other}") from None
         raise
+    if name.isupper() and {"I", "U"} & found.keys():
+        other = PAIR.sub(
+            lambda pair: (
+                pair[0].title() if pair[0].title() in ATOMIC_WEIGHTS else pair[0]
+            ),
+            name,
+        )
+        if other != name:
+            raise SceneError(
+                f"{name} reads as {', '.join(found)}; write {other}, or give its "
+                "elements"
+            )
+    return found
 
 
 def _from_table(

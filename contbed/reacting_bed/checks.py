@@ -27,6 +27,7 @@ from contbed.reacting_bed.inlet_series import SUM, CompositionSeries
 from contbed.reacting_bed.inside_checks import (
     adsorbed_gases_are_there,
     adsorbed_gases_react_by_their_concentrations,
+    an_effectiveness_is_that_of_a_first_order,
     particles_can_adsorb,
     pellets_have_diffusivities,
     pores_are_those_of_spheres,
@@ -363,4 +364,5 @@ WARNINGS: tuple[Check, ...] = (
     ducts_are_affordable,
     initial_profiles_reach_both_ends,
     heat_capacities_are_of_moles,
+    an_effectiveness_is_that_of_a_first_order,
 )

@@ -46,7 +46,10 @@ def conversions_are_known(
     takers = {}
     for name, table in reactions.items():
         law = find_law(name, table)
-        of_formula = table.rate is not None and "X" in _names_in(table.rate)
+        given = "X" in table.parameters
+        of_formula = (
+            table.rate is not None and not given and "X" in _names_in(table.rate)
+        )
         if of_formula or (law is not None and law.of_solids):
             takers[name] = (table, of_formula)
     species = (
@@ -70,12 +73,15 @@ def conversions_are_known(
                 f"alone: write a formula with n_{used}, its moles per volume of the "
                 f"bed, in which 1 - X is n_{used}/n0",
             )
-        elif of_formula and not of_solids:
-            yield (
-                ("reactions", name, "rate"),
+        elif not any(n < 0 for n in of_solids):
+            what = (
                 "X is the conversion of a solid, and none reacts here; write c_, p_ or "
-                "x_ with the name of a gas",
+                "x_ with the name of a gas"
+                if of_formula
+                else f"the law {name_of(name, table)} is that of a solid that reacts, "
+                "and none stands on the left side of the equation"
             )
+            yield ("reactions", name, "rate" if of_formula else "law"), what
 
 
 def _names_in(formula: str) -> Iterable[str]:

@@ -228,6 +228,28 @@ def pores_are_those_of_spheres(solids: Solids, reactions: Reactions) -> Mistakes
             )
 
 
+def an_effectiveness_is_that_of_a_first_order(
+    solids: Solids, reactions: Reactions
+) -> Mistakes:
+    """Look for effectiveness factors of reactions for which Thiele's is not exact."""
+    if not any(table.inside.mass == "effectiveness" for table in solids.values()):
+        return
+    for name, table in reactions.items():
+        law = find_law(name, table)
+        if getattr(table, "diffusivity", None) is None or (law and law.own_film):
+            continue
+        orders = (getattr(table, "orders", None) or {}).values()
+        reversible = "<->" in (table.equation or "")
+        if reversible or any(n not in (0.0, 1.0) for n in orders):
+            what = "is reversible" if reversible else "is not of first order"
+            yield (
+                ("reactions", name, "diffusivity"),
+                f"the effectiveness is that of an irreversible reaction of first order, "
+                f"and {name} {what}: conversions may be off by a third; take "
+                'solids.NAME.inside.mass = "interior" with inside.diffusivity',
+            )
+
+
 def _needless(path: KeyPath, given: Mapping[str, float], gases: set[str]) -> Mistakes:
     """Check that no gas has a diffusivity that no reaction needs."""
     for gas in sorted(set(given) - gases):

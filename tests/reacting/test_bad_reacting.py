@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from contbed.chemistry.mixture import fuller_volume
+from contbed.chemistry.species import atoms_of
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.models import plan
@@ -262,3 +265,15 @@ def test_a_heat_capacity_per_mass_of_a_constituent_is_reported():
         scene = loads(text.replace(iron, f"heat_capacity = {value}\n"), "bed.toml")
         found = [each for each in scene.warnings if "more than any solid" in each]
         assert bool(found) == warns, value
+
+
+@pytest.mark.parametrize(("name", "meant"), [("NIO", "NiO"), ("CUO", "CuO")])
+def test_names_in_capitals_that_read_as_iodine_or_uranium_are_refused(name, meant):
+    with pytest.raises(SceneError, match=f"write {meant}"):
+        atoms_of(name, None, None)
+    assert atoms_of("HI", None, None) == {"H": 1.0, "I": 1.0}
+
+
+def test_argon_has_its_diffusion_volume_by_any_name():
+    """Mechanisms write AR."""
+    assert fuller_volume(SimpleNamespace(name="AR", composition={"Ar": 1})) == 16.2

@@ -13,10 +13,16 @@ from typing import Any
 from contbed.chemistry.local import Local, Rate
 from contbed.chemistry.rate_law import Case, RateLaw, powers
 from contbed.closures.formula import odd_power
+from contbed.errors import SceneError
 
 
 def _grain(case: Case, exponent: float) -> Rate:
     table = case.table
+    if case.equation.reversible:
+        raise SceneError(
+            f"reactions.{case.name}: grains have no reverse reaction: write '->', or "
+            "take the law shrinking_core or power"
+        )
     per_area = float(table.molar_density or 1.0) * float(table.grain_radius or 1.0)
     scale = 3.0 * table.active_share / per_area
 

@@ -10,7 +10,8 @@ q = (1 - X)^(1/3), the radius of the interface over that of the particle,
 
 b moles of gas per mole of solid, n [mol/m3] solid per volume of particle, c [mol/m3]
 concentration beyond equilibrium. For a reversible first-order reaction
-c = c_bulk - c_equilibrium and k = k_forward (1 + 1/K).
+c = c_bulk - c_equilibrium and k = k_forward (1 + 1/K), with K of one mole of the gas;
+where no gas is made k is that of the forward reaction.
 
 q is the unknown to integrate: it falls at a finite rate down to 0, where X has an end
 of infinite curvature.
@@ -30,6 +31,7 @@ import numpy as np
 from contbed.chemistry.local import Local, Rate
 from contbed.chemistry.rate_law import Case, RateLaw
 from contbed.closures.formula import power
+from contbed.errors import SceneError
 
 # of the reacting solid that is left, below which fractional powers are straight lines
 SMALL = 1e-6
@@ -100,6 +102,16 @@ def remaining_radius(left: Any, small: float = SMALL) -> Any:
 def _shrinking_core(case: Case) -> Rate:
     """Return the rate of moles per volume of particles, by the law of the module."""
     gas, moles = case.first_gas
+    others = [n for key, n in case.gases.items() if key != gas]
+    made = sum(others)
+    if case.equation.reversible and (
+        min(others, default=0.0) < 0.0 or made not in (0.0, moles)
+    ):
+        raise SceneError(
+            f"reactions.{case.name}: a shrinking core runs back only where one gas is "
+            "taken up and as many moles of gas are made, or none: give a formula, "
+            "rate = ..."
+        )
 
     def rate_of(at: Local) -> Any:
         left = at.n[case.solid] / case.fresh(at)
@@ -108,15 +120,16 @@ def _shrinking_core(case: Case) -> Rate:
         k = case.constant(at.T)
         driving = at.c[gas]
         if case.equation.reversible:
-            K = case.equilibrium_constant(at.T)
+            # of one mole of the gas
+            K = case.equilibrium_constant(at.T) ** (1.0 / moles)
             back: Any = 1.0
             for key, n in case.gases.items():
                 if key != gas:
                     back = back * power(at.c[key], n)
-            driving = (driving - power(back, 1.0 / moles) / K ** (1.0 / moles)) / (
-                1.0 + 1.0 / K
-            )
-            k = k * (1.0 + 1.0 / K)
+            driving = driving - power(back, 1.0 / moles) / K
+            if made > 0.0:
+                driving = driving / (1.0 + 1.0 / K)
+                k = k * (1.0 + 1.0 / K)
         tau = times(
             at.radius,
             1.0,
