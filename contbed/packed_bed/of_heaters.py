@@ -44,12 +44,12 @@ def effectiveness(
 
 def transfer_units(e: float, C: float, opposite: bool) -> float | None:
     """Return the number of transfer units of an exchanger; None where no exchanger is
-    as good.
+    as good, or where it is rounding, as the streams leave with what they could reach.
     """
     if not opposite:
         left = 1.0 - e * (1.0 + C)
-        return -log(left) / (1.0 + C) if left > 0.0 else None
-    if not e < 1.0:
+        return -log(left) / (1.0 + C) if left > SAME else None
+    if not 1.0 - e > SAME:
         return None
     if 1.0 - C < EQUAL:
         return e / (1.0 - e)

@@ -156,7 +156,7 @@ def at(case: Case, result: Result, t: Array, x: Array) -> Array:
     if case.settings.compare == "history":
         history: Array = np.interp(t, profiles[header("t")], values)
         return history
-    axis = profiles[header(result.plan.coordinate)]  # type: ignore[attr-defined]
+    axis = profiles[header(getattr(result.plan, "coordinate", "x"))]
     return looked_up(values, profiles[header("t")], axis, t, x)
 
 
