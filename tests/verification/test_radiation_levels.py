@@ -58,9 +58,9 @@ def slab(
     }
 
 
-def run(values: dict[str, Any]) -> cb.Result:
+def run(values: dict[str, Any], closed: float = 1e-10) -> cb.Result:
     result = cb.run(from_dict(values))
-    assert_closed(result, 1e-10)
+    assert_closed(result, closed)
     return result
 
 
@@ -497,7 +497,11 @@ def test_conducting_ordinates_close_as_far_as_temperatures_have_digits(
     values = slab(
         "ordinates", tau, wall(1000.0), wall(500.0), conductivity=conductivity(N, tau)
     )
-    result = run(values | {"solver": {"tolerance": tolerance}})
+    # emission of 1e5 times the flux has some 1e-11 of rounding a cell: by processor
+    # the balance closes to less or more than 1e-10, here to 1.4e-10
+    closed = 1e-9 if tau > 1.0 else 1e-10
+    solver = {"tolerance": tolerance, "balance_tolerance": closed}
+    result = run(values | {"solver": solver}, closed)
     balance = result.balances["energy"]
     # at tau 1e5 emission, 1e5 times the flux, cancels between neighbours
     assert (
