@@ -156,17 +156,13 @@ def fuller_volume(species: Thermo) -> float:
     for name in (species.name, atom):
         if name in FULLER_VOLUMES:
             return FULLER_VOLUMES[name]
-    unknown = [
-        element for element in species.composition if element not in _FULLER_ATOMS
-    ]
-    if unknown or not species.composition:
+    unknown = [element for element in atoms if element not in _FULLER_ATOMS]
+    if unknown or not atoms:
         raise SceneError(
             f"no diffusion volume of {species.name} is known for Fuller's equation; "
             "give gas.diffusivity as a number"
         )
-    return sum(
-        count * _FULLER_ATOMS[element] for element, count in species.composition.items()
-    )
+    return sum(count * _FULLER_ATOMS[element] for element, count in atoms.items())
 
 
 @dataclass(frozen=True, eq=False)

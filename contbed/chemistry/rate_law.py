@@ -128,8 +128,8 @@ class Case:
             if n < 0:
                 return name, -n
         raise SceneError(
-            f"reactions.{self.name}: '{self.table.equation}' takes up no gas, in which this law is of first "
-            "order; give a formula, rate = ..."
+            f"reactions.{self.name}: '{self.table.equation}' takes up no gas, in which "
+            "this law is of first order; give a formula, rate = ..."
         )
 
     @cached_property

@@ -30,6 +30,9 @@ INERT_CAPACITY = 1.0
 # coefficients after which F, the constant of the enthalpy, follows
 FORMATION_SHOMATE = 5
 
+# two capitals that may be one element, as in NIO
+PAIR = re.compile("[A-Z][IU]")
+
 
 @dataclass(frozen=True)
 class Species:
@@ -47,10 +50,6 @@ class Species:
     def enthalpies(self) -> dict[str, Any]:
         """Enthalpies of gases and solids by name, functions of T [K]."""
         return {name: item.enthalpy for name, item in self.all.items()}
-
-
-# two capitals that may be one element, as in NIO
-PAIR = re.compile("[A-Z][IU]")
 
 
 def condensed_names() -> tuple[str, ...]:

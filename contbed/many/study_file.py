@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Generic, NoReturn, TypeVar
 
@@ -16,6 +16,7 @@ from contbed.scene.units import exponents, number_and_unit, unit_with
 from contbed.scene.values import flat, value_at
 
 _Table = TypeVar("_Table", bound=BaseModel)
+PARAMETERS = "parameters"  # table of the constants of a formula
 # takes the path below an entry, and what is wrong there
 Say = Callable[[KeyPath, str], None]
 
@@ -68,19 +69,6 @@ class StudyFile(Generic[_Table]):
             self.say(path, f'no such file: "{name}", looked for beside this file', key)
         return self.origin.base / name
 
-    def unit_of(self, name: str, *scenes: str) -> str | None:
-        """Return the SI unit of a dotted key, see `unit_of`, by what the first of some
-        scene files gives.
-        """
-        for scene in scenes:
-            try:
-                values, _ = read(self.origin.base / scene)
-            except SceneError:  # reported where the scene is loaded
-                continue
-            if (given := value_at(values, name)) is not None:
-                return unit_of(name, given)
-        return unit_of(name)
-
     def entries(
         self,
         at: KeyPath,
@@ -126,9 +114,23 @@ def unit_of(name: str, given: Any = None) -> str | None:
     return unit(path)
 
 
+def unit_in(scenes: Iterable[Path], name: str) -> str | None:
+    """Return the SI unit of a dotted key, see `unit_of`; that of a constant is in the
+    first of some scene files that gives it, which are read for constants alone.
+    """
+    for scene in scenes if PARAMETERS in name else ():
+        try:
+            given = value_at(read(scene)[0], name)
+        except (SceneError, ValueError):  # reported where the scene is loaded
+            continue
+        if given is not None:
+            return unit_of(name, given)
+    return unit_of(name)
+
+
 def is_constant(path: KeyPath) -> bool:
     """Return whether a key is a constant of a formula, which takes any unit."""
-    return "parameters" in path[:-1]
+    return PARAMETERS in path[:-1]
 
 
 def relocated(problem: str, places: Mapping[str, str]) -> tuple[str, str]:

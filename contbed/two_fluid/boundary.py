@@ -66,7 +66,7 @@ class OutletCondition:
     """Gas and solids leave freely against a `pressure` [Pa]; gas may come back,
     solids may not.
 
-    Nothing beyond it holds particles that rub, but below a roof they lie.
+    Nothing beyond it holds particles that rub, unless it is a roof.
     """
 
     pressure: float = 0.0

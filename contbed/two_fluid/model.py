@@ -115,7 +115,7 @@ class Model:
     @cached_property
     def open_faces(self) -> Array:
         """1 at boundary faces (nb,) beyond which nothing holds particles that rub:
-        outlets, but for those of a roof, below which they lie.
+        outlets, but for those in a roof.
         """
         up = -self.grid.geometry.normal[self.grid.interior :] @ self.gravity
         roof = up > boundary.MIN_UPRIGHT * np.linalg.norm(self.gravity)

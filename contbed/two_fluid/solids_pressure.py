@@ -47,8 +47,8 @@ class Solids(NamedTuple):
     """Solids at the start of a step.
 
     Fraction (nc,), K = beta/eps_s (nc,) [kg/m3/s] and stiffness d p_solid/d eps_s/rho_s
-    (nc,) [m2/s2]; density [kg/m3]; `open` (nb,),
-    1 at boundary faces through which friction pushes particles out.
+    (nc,) [m2/s2]; density [kg/m3]; `open` (nb,), 1 at boundary faces through which
+    friction pushes particles out.
     """
 
     eps_s: Array

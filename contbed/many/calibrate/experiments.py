@@ -26,15 +26,13 @@ from contbed.many.calibrate.settings import (
 )
 from contbed.many.quantities import result as named_result
 from contbed.many.quantities import why_unknown
-from contbed.many.study_file import unit_of
+from contbed.many.study_file import unit_in
 from contbed.many.value_sets import MAGNITUDE, tidy
 from contbed.scene.data_table import DataTable, read_table
 from contbed.scene.names import nearest_of
 from contbed.scene.tables import SceneBase
-from contbed.scene.toml_lines import read
 from contbed.scene.uncertain import share_of
 from contbed.scene.units import factor_and_offset, to_si
-from contbed.scene.values import value_at
 
 OUTPUT_POSITION = re.compile(r"output\.positions\[(\d+)\]")
 NONE = math.nan
@@ -164,9 +162,9 @@ def _jobs(
         for j, value in enumerate(settings.values)
     ]
     if settings.keys:
-        scene, _ = read(origin.base / settings.scene)
+        scenes = [origin.base / settings.scene]
         columns = {
-            key: table.column(column, unit_of(key, value_at(scene, key)) or "1")
+            key: table.column(column, unit_in(scenes, key) or "1")
             for key, column in settings.keys.items()
         }
         extra = tuple(_predicted(name, settings, t, x, predict_at))

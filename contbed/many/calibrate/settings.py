@@ -48,7 +48,7 @@ from pydantic import Field
 from contbed.fields import labelled
 from contbed.many import value_sets
 from contbed.many.distributions import Distribution
-from contbed.many.study_file import StudyFile
+from contbed.many.study_file import StudyFile, unit_in
 from contbed.scene.quantities import Instant, Position, Switch, Table
 from contbed.scene.reactions import Parameter
 from contbed.scene.toml_lines import Origin
@@ -200,11 +200,11 @@ def experiment_names(settings: Settings) -> list[str]:
 
 
 def _keys(file: StudyFile[Settings]) -> Iterator[FittedKey]:
-    scenes = [each.scene for each in file.settings.experiment]
+    scenes = [file.origin.base / each.scene for each in file.settings.experiment]
     for name, path, entry in file.entries(
         ("keys",), file.settings.keys, value_sets.is_distribution, {}
     ):
-        unit = file.unit_of(name, *scenes)
+        unit = unit_in(scenes, name)
         prior = value_sets.distribution(entry, unit, file.say_below(path, name))
         if prior is not None:
             yield FittedKey(name, unit or "1", prior, file.origin.at(path))

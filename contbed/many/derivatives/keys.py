@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.errors import SceneError
-from contbed.many.study_file import is_constant
+from contbed.many.study_file import is_constant, unit_of
 from contbed.models import model_of
 from contbed.scene import schema
 from contbed.scene.library import MATERIALS
@@ -23,7 +23,7 @@ from contbed.scene.names import near_names
 from contbed.scene.quantities import Table
 from contbed.scene.tables import Closure, SceneBase, from_library
 from contbed.scene.toml_lines import KeyPath, dotted, parse_key
-from contbed.scene.units import base_value, exponents, number_and_unit, unit_with
+from contbed.scene.units import base_value
 from contbed.scene.values import at, with_value
 
 NUMERICAL_TABLES = ("solver", "output")
@@ -224,7 +224,7 @@ def _key(scene: SceneBase, path: KeyPath, value: float) -> Key:
     unit = schema.unit(root, path) or "1"
     constant = at(scene, path)
     if isinstance(constant, str):
-        unit = unit_with(exponents(number_and_unit(constant)[1]))
+        unit = unit_of(dotted(path), constant) or "1"
     return Key(dotted(path), path, value, unit, low, high, low_is_open, high_is_open)
 
 

@@ -42,7 +42,7 @@ from contbed.loading import load
 from contbed.many import value_sets
 from contbed.many.distributions import Distribution
 from contbed.many.runs import Case, case_of
-from contbed.many.study_file import StudyFile, relocated
+from contbed.many.study_file import StudyFile, relocated, unit_in
 from contbed.scene.identity import resolved
 from contbed.scene.quantities import Switch, Table, Whole
 from contbed.scene.tables import SceneBase
@@ -270,7 +270,7 @@ class _Reader:
         for name, path, entry in self.file.entries(at, table, is_entry, self.places):
             if value_sets.is_log(entry):
                 self.logarithmic.add(name)
-            unit = self.file.unit_of(name, self.settings.scene)
+            unit = unit_in([self.file.origin.base / self.settings.scene], name)
             found = read(entry, unit, self.file.say_below(path, name))
             if found is not None:
                 yield name, found
