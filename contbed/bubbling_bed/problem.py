@@ -16,8 +16,9 @@ from contbed.bubbling_bed.coefficients import SMOOTHED
 from contbed.bubbling_bed.diagnosis import explain, fluidization, temperatures
 from contbed.bubbling_bed.equations import bed as model
 from contbed.bubbling_bed.ignition import burning_state
-from contbed.bubbling_bed.plan import BubblingPlan, coefficients, typical_numbers
+from contbed.bubbling_bed.plan import BubblingPlan
 from contbed.bubbling_bed.scene import BubblingScene
+from contbed.bubbling_bed.scene_coefficients import coefficients, typical_numbers
 from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system

@@ -27,8 +27,9 @@ from scipy.optimize import brentq
 
 from contbed.bubbling_bed.burning import BURNING, burns, explained, heat_balance
 from contbed.bubbling_bed.diagnosis import char
-from contbed.bubbling_bed.plan import BubblingPlan, coefficients, line
+from contbed.bubbling_bed.plan import BubblingPlan, line
 from contbed.bubbling_bed.problem import BubblingProblem
+from contbed.bubbling_bed.scene_coefficients import coefficients
 from contbed.errors import ConvergenceError
 from contbed.result import Result
 from contbed.solvers.continuation import from_easier

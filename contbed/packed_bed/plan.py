@@ -28,7 +28,6 @@ from contbed.mesh.grading import finest
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.cell_errors import refinable
-from contbed.packed_bed.checks import require_properties
 from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.heat_parts import parts_of_heat
 from contbed.packed_bed.inlets import bed_axis, inlet_temperature, velocity_vector
@@ -52,6 +51,7 @@ from contbed.packed_bed.schedule import (
     kinks_passed,
 )
 from contbed.packed_bed.schedule_checks import require_flow, require_plug_flow
+from contbed.packed_bed.temperature_checks import require_properties
 from contbed.plan_text import Rows, built_and_skipped, plan_text
 from contbed.scene.mesh import SIDE, MeshAxisymmetric, MeshFile, MeshLine
 from contbed.solvers.cost import advice

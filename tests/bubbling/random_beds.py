@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from contbed.bubbling_bed.plan import _computed
+from contbed.bubbling_bed.scene_coefficients import computed_of
 from contbed.loading import from_dict
 from tests.scene_text import set_keys
 
@@ -183,7 +183,7 @@ def _fluidizing(given, excess):
     temperature of the guess.
     """
     scene = from_dict(given)
-    computed = _computed(scene)
+    computed = computed_of(scene)
     names = {f"T_{name}": scene.initial.temperature for name in scene.present}
     state, _ = computed.state(SimpleNamespace(**names), 1.0)
     return float(excess * state["rho_gas"] * state["u_mf"] * scene.bubbling_bed.section)
