@@ -179,6 +179,9 @@ def _require_a_model(values: Mapping[str, Any], origin: Origin) -> None:
         )
     if named is not None and named not in names():
         text = f"unknown choice; {nearest(str(named), names())}"
+        if named in MODELS:
+            kind = MODELS[named]
+            text = f'write model = "{kind.name}"; it is a {named} by {kind.decides}'
         raise SceneError(line(origin, dict(values), ("model",), text))
 
 

@@ -70,6 +70,7 @@ class Model:
         have the same, and the tables decide between them
     settings : name of the pydantic model of its scenes in scene.py
     means : whether the top-level tables of a file make it a scene of this physics
+    decides : the tables and keys by which it is told from others of its name
     equations : modules in the package whose docstrings `contbed explain` shows, by name
     compiles : whether its loops are compiled at their first use, which takes a while
     scatters : whether its results scatter with the start of the particles, so that
@@ -81,6 +82,7 @@ class Model:
     settings: str
     means: Callable[[Mapping[str, Any]], bool]
     equations: Mapping[str, str]
+    decides: str = ""
     compiles: bool = False
     scatters: bool = False
 
@@ -252,6 +254,7 @@ MODELS: dict[str, Model] = {
         "GasScene",
         _is_particles_in_gas,
         {"particles_gas": "gas"},
+        "[particles] beside [time] or [boundary]",
         compiles=True,
         scatters=True,
     ),
@@ -294,6 +297,7 @@ MODELS: dict[str, Model] = {
             "cells_in_time_hold_the_same": "remap",
             "cyclic_steady_state": "cycle",
         },
+        "[reactions], [gas.species], solids.NAME.adsorption or a gas.composition that enters",
     ),
     "packed_bed": Model(
         "packed_bed",

@@ -6,13 +6,14 @@ from collections.abc import Callable, Mapping
 
 from contbed.chemistry.equation import unbalanced
 from contbed.chemistry.laws import equations_of, law_of, name_of
+from contbed.chemistry.rate_formula import QUOTIENT
+from contbed.chemistry.rate_law import RateLaw
+from contbed.chemistry.surface import SURFACE
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes
 from contbed.scene.reactions import Reaction
 
-# keys of a table with a surface mechanism, those that it needs first
-OF_SURFACES = ("surface", "mechanism", "area")
-BESIDE_SURFACES = {"basis", "solid", "factor"}
+OF_SURFACES = SURFACE.needs
 ENERGY = "the activation energy, 0 for a rate that does not depend on temperature"
 
 
@@ -30,16 +31,18 @@ def reaction_is_whole(
     if any(key in table.model_fields_set for key in OF_SURFACES):
         yield from _surface_is_whole(name, table, atoms)
         return
-    if table.rate is not None and (table.law is not None or table.A is not None):
-        yield (
-            (*path, "rate"),
-            "a formula is the whole rate; remove law, A, E and orders, or rate",
-        )
     try:
         law = law_of(name, table)
     except SceneError as error:
         yield (*path, "law"), str(error)
         return
+    law_name = name_of(name, table)
+    if table.rate is None:
+        yield from _keys_are_read(name, table, law, f"the law {law_name}")
+    else:
+        yield from _keys_are_read(
+            name, table, law, "a formula, which is the whole rate"
+        )
     of_equation = path if table.equation is None else (*path, "equation")
     try:
         equations = equations_of(name, table)
@@ -49,18 +52,30 @@ def reaction_is_whole(
     for equation in equations.values():
         for text in unbalanced(equation.stoichiometry, atoms):
             yield of_equation, text
-    if table.rate is not None:
-        return
-    law_name = name_of(name, table)
+    returns = any(each.reversible for each in equations.values())
+    by_formula = table.rate is None or QUOTIENT in table.rate
+    if table.equilibrium_factor != 1.0 and equations and not (returns and by_formula):
+        yield (
+            (*path, "equilibrium_factor"),
+            "has no meaning where the rate does not run back: write <->, and "
+            f"{QUOTIENT} in a formula, or remove it",
+        )
     for key in law.needs:
         if getattr(table, key) is None:
             what = ENERGY if key == "E" else key
             yield (*path, key), f"missing; the law {law_name} needs {what}"
-    if table.basis is not None and law_name != "power":
-        yield (
-            (*path, "basis"),
-            f"has no meaning with the law {law_name}, whose rate has its own",
-        )
+
+
+def _keys_are_read(name: str, table: Reaction, law: RateLaw, what: str) -> Mistakes:
+    """Check that a table has no key which its law does not read."""
+    read = {"solid", "factor", *law.needs, *law.takes}
+    if table.surface is None:
+        read.add("equation")
+    if table.rate is None:
+        read.add("law")
+    for key in sorted(table.model_fields_set - read):
+        if getattr(table, key) is not None:
+            yield ("reactions", name, key), f"has no meaning with {what}; remove it"
 
 
 def _surface_is_whole(
@@ -74,8 +89,7 @@ def _surface_is_whole(
     for key in missing:
         text = f"missing; a surface mechanism needs {', '.join(OF_SURFACES)}"
         yield (*path, key), text
-    for key in sorted(table.model_fields_set - {*OF_SURFACES, *BESIDE_SURFACES}):
-        yield (*path, key), "has no meaning with a surface mechanism; remove it"
+    yield from _keys_are_read(name, table, SURFACE, "a surface mechanism")
     if table.basis not in (None, "particle", "bed"):
         yield (*path, "basis"), "area is over the volume of particles, or of the bed"
     if missing:

@@ -85,4 +85,8 @@ def _rate(case: Case) -> Rate:
     return rate
 
 
-FORMULA = RateLaw(_rate)
+FORMULA = RateLaw(
+    _rate,
+    needs=("rate",),
+    takes=("unit", "parameters", "basis", "equilibrium_factor", "diffusivity"),
+)

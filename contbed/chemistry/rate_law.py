@@ -185,6 +185,8 @@ class RateLaw:
         equations
     equations : of the law; none where the scene gives the equation
     needs : keys of the table without which it cannot be
+    takes : keys of the table that it reads beside these; all read solid and factor, and
+        all but surface mechanisms the equation
     basis : per what its rate is; None: the scene says, or where its species are
     gases : that its rate depends on beside those of its equation
     frequency : rate over the amount of the scarcest gas [1/s]; None: by the rate
@@ -196,6 +198,7 @@ class RateLaw:
     rate: Callable[[Case], Any]
     equations: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
+    takes: tuple[str, ...] = ()
     basis: str | None = None
     gases: tuple[str, ...] = ()
     frequency: Rate | None = None

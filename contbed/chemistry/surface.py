@@ -455,4 +455,4 @@ def _rates(case: Case) -> Rate:
     return rates
 
 
-SURFACE = RateLaw(_rates)
+SURFACE = RateLaw(_rates, needs=("surface", "mechanism", "area"), takes=("basis",))

@@ -27,6 +27,7 @@ from contbed.reacting_bed.inlet_series import SUM, CompositionSeries
 from contbed.reacting_bed.inside_checks import (
     adsorbed_gases_are_there,
     adsorbed_gases_react_by_their_concentrations,
+    an_effectiveness_acts,
     an_effectiveness_is_that_of_a_first_order,
     particles_can_adsorb,
     pellets_have_diffusivities,
@@ -301,6 +302,7 @@ CHECKS: tuple[Check, ...] = (
     particles_can_adsorb,
     adsorbed_gases_react_by_their_concentrations,
     pellets_have_diffusivities,
+    an_effectiveness_acts,
     pores_are_those_of_spheres,
     uptake_has_a_meaning,
     closures_exist,

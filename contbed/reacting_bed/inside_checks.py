@@ -209,6 +209,45 @@ def pellets_have_diffusivities(solids: Solids, reactions: Reactions) -> Mistakes
         yield from _needless(path, inside.diffusivity, gases)
 
 
+def an_effectiveness_acts(solids: Solids, reactions: Reactions) -> Mistakes:
+    """Check that diffusivities of reactions and particles with an effectiveness belong
+    together.
+    """
+    slowed = {
+        name
+        for name, table in reactions.items()
+        if table.diffusivity is not None
+        and (law := find_law(name, table)) is not None
+        and "diffusivity" in law.takes
+    }
+    inside = {
+        phase: _species_in_particles(reactions_in(reactions, phase), table).keys()
+        for phase, table in solids.items()
+    }
+    for name in sorted(slowed):
+        path = ("reactions", name, "diffusivity")
+        phases = [phase for phase, names in inside.items() if name in names]
+        if not phases:
+            text = (
+                "has no meaning for a reaction in the gas between the particles; give "
+                'basis = "particle" or "catalyst", or remove it'
+            )
+            yield path, text
+        elif {solids[each].inside.mass for each in phases} <= {"auto", "interior"}:
+            text = (
+                f'give solids.{phases[0]}.inside.mass = "effectiveness", or remove it'
+            )
+            yield path, f"has no meaning without an effectiveness: {text}"
+    for phase, names in inside.items():
+        if solids[phase].inside.mass == "effectiveness" and not names & slowed:
+            text = (
+                "no reaction in these particles has a diffusivity, reactions.NAME."
+                'diffusivity; without a solid a reaction of gases needs basis = "particle" '
+                'or "catalyst"'
+            )
+            yield ("solids", phase, "inside", "mass"), text
+
+
 def pores_are_those_of_spheres(solids: Solids, reactions: Reactions) -> Mistakes:
     """Check that no gas diffuses to its reactions in rods, whose pores are not
     modelled.

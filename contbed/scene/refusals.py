@@ -72,6 +72,12 @@ def translate(
     if kind == "extra_forbidden":
         known = schema.keys(_locate(error["loc"][:-1], root)[1])
         hint = nearest(str(path[-1]), known) if known else "this table has no keys"
+        choice = _locate(error["loc"][:-2], root)[1].get("discriminator", {})
+        for tag, member in choice.get("mapping", {}).items():
+            if path[-1] in schema.keys({"$ref": member}):
+                selector = dotted((*path[:-1], choice["propertyName"]))
+                hint = f'it needs {selector} = "{tag}"; {hint}'
+                break
         return path, f"unknown key; {hint}"
     if kind == "missing":
         table = (

@@ -77,6 +77,18 @@ def test_mistakes_of_formulas(rate, said):
     assert said in str(found.value)
 
 
+@each_case(__file__, "mistakes_of_reacting_solids")
+def test_mistakes_of_reacting_solids(key):
+    law = f'law = "shrinking_core"\ndiffusivity = 1e-6\nA = 1.0\n{key}'
+    text = filled(GOOD).replace("CH4 + 2 O2 -> CO2 + 2 H2O", "2 Fe + O2 -> 2 FeO")
+    name = key.partition(" ")[0]
+    refused(
+        f"{name}.*: has no meaning with the law shrinking_core",
+        loads,
+        text.replace("A = 1.0", law),
+    )
+
+
 @each_case(__file__, "properties_that_are_negative_where_streams_enter")
 def test_properties_that_are_negative_where_streams_enter(old, new, said):
     text = (filled(GOOD) + "[heat]\n[time]\nend = 1.0\n").replace(old, new)

@@ -52,6 +52,13 @@ def test_an_unknown_model_is_named_with_those_that_exist():
     )
 
 
+@pytest.mark.parametrize("kind", [k for k in MODELS if k != MODELS[k].name])
+def test_a_kind_in_place_of_a_model_tells_the_model_and_what_decides(kind):
+    said = f'write model = "{MODELS[kind].name}"; it is a {kind} by'
+    refused(re.escape(said), loads, f'model = "{kind}"\n{STEADY}')
+    assert MODELS[kind].decides
+
+
 @pytest.mark.parametrize("kind", MODELS)
 def test_templates_run_with_their_model_named(kind):
     text = MODELS[kind].template.read_text(encoding="utf-8")

@@ -102,6 +102,9 @@ def gas_reactions_are_whole(
                 "is a rate law of reacting solids, which bubbling_bed does not "
                 "have; use a law of gases, or model = 'packed_bed'",
             )
+        if table.diffusivity is not None:
+            text = "bubbling_bed resolves no pores; give a factor, or remove it"
+            yield (*path, "diffusivity"), text
         if table.basis == "bed":
             yield (*path, "basis"), "give gas, or catalyst or particle with a solid"
         if table.solid is not None and table.solid not in solids:

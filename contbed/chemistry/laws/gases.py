@@ -121,6 +121,7 @@ def _rate_law(law: PowerLaw) -> RateLaw:
     return RateLaw(
         rate=lambda case: _rate(law, case),
         equations=(law.reaction,),
+        takes=("equilibrium_factor",),
         gases=tuple(law.orders),
         frequency=lambda at: law.frequency(at.T, at.c, _small(at)),
         published=law,

@@ -8,6 +8,7 @@ volume of a grain of radius r_g, a the share of its surface that reacts.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from contbed.chemistry.local import Local, Rate
@@ -40,12 +41,12 @@ def _grain(case: Case, exponent: float) -> Rate:
     return rate
 
 
-_NEEDS = ("A", "E", "grain_radius", "molar_density")
 LAWS = {
-    "grain": RateLaw(
-        lambda case: _grain(case, 2.0 / 3.0), needs=_NEEDS, of_solids=True
-    ),
-    "grain_remaining": RateLaw(
-        lambda case: _grain(case, 2.0 / 3.0 + 1.0), needs=_NEEDS, of_solids=True
-    ),
+    name: RateLaw(
+        partial(_grain, exponent=exponent),
+        needs=("A", "E", "grain_radius", "molar_density"),
+        takes=("b", "orders", "active_share"),
+        of_solids=True,
+    )
+    for name, exponent in (("grain", 2.0 / 3.0), ("grain_remaining", 2.0 / 3.0 + 1.0))
 }

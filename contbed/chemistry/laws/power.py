@@ -29,4 +29,10 @@ def _power(case: Case) -> Rate:
     return rate
 
 
-LAWS = {"power": RateLaw(_power, needs=("A", "E"))}
+LAWS = {
+    "power": RateLaw(
+        _power,
+        needs=("A", "E"),
+        takes=("b", "orders", "basis", "equilibrium_factor", "diffusivity"),
+    )
+}

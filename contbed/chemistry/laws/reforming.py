@@ -93,6 +93,7 @@ LAWS = {
     name: RateLaw(
         partial(_rate, name),
         equations=(equation,),
+        takes=("equilibrium_factor", "diffusivity"),
         basis="catalyst",
         gases=GASES,
     )

@@ -150,6 +150,7 @@ LAWS = {
     "shrinking_core": RateLaw(
         _shrinking_core,
         needs=("A", "E", "diffusivity"),
+        takes=("b", "equilibrium_factor"),
         own_film=True,
         of_solids=True,
     )
