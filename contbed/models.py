@@ -7,13 +7,16 @@ Every physics is a package with the same modules, which are imported when they a
     checks.py   CHECKS, mistakes in a scene that remain although every single value is valid, and WARNINGS, what is
                 possible but seldom meant
     plan.py     plan(scene) -> Plan: what is built, what is left out and why, unknowns and cost
-    run.py      run(plan, result, folder, quiet, start): solves and fills the result
+    run.py      run(plan, result, folder, quiet, start): solves and fills the result; RESTART_MAY_CHANGE, keys that may
+                differ after a restart, if the plan has steps
+    tangent.py  of(result), for derivatives of results by keys; optional
     results.py  named results, profiles, tables and balances of a run
     plots.py    plot(result, folder): the plots of a run
     equations/  the equations, each file with its PDEs, symbols, units and source
     template.toml   a commented scene that runs as it is, for `contbed new`
 
-A new physics is such a package and one entry of MODELS.
+A new physics is such a package and one entry of MODELS; CONTRIBUTING.md lists the tests,
+pages and tables that name it beside.
 """
 
 from __future__ import annotations

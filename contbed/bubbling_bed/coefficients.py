@@ -52,7 +52,7 @@ def mixture(composition: str, pressure: float, mechanism: str) -> Any:
 
 
 class Computed:
-    """`Local` of models.bubbling_bed from a scene; a list in `ranges` collects how
+    """`Local` of equations/bed.py from a scene; a list in `ranges` collects how
     closures were used.
     """
 
@@ -127,7 +127,7 @@ class Computed:
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """The unknowns of models.bubbling_flow."""
+        """The unknowns of equations/flow.py."""
         there = (("flow_bubble", self.bubbling), ("d_bubble", self.grows))
         return tuple(name for name, wanted in there if wanted)
 

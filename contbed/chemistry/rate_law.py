@@ -2,7 +2,9 @@
 what it needs for that.
 
 The modules of `chemistry.laws` hold the laws. A new one is a new entry in a dictionary
-`LAWS` there, or a new module with one: every model then has it under its name.
+`LAWS` there, or a new module with one. Packed and moving beds then find it by its name,
+bubbling beds too if it needs no solid that reacts. The single particle has laws of its
+own, of first order in mass (`single_particle/scene.py`).
 """
 
 from __future__ import annotations
@@ -187,7 +189,9 @@ class RateLaw:
     needs : keys of the table without which it cannot be
     takes : keys of the table that it reads beside these; all read solid and factor, and
         all but surface mechanisms the equation
-    basis : per what its rate is; None: the scene says, or where its species are
+    basis : per what its rate is; None: as the scene says, else per volume of particles
+        if a solid reacts, of gas if none does. Amounts `at.n` and `Case.fresh` are per
+        volume of bed: divide them by `at.solids`, see `laws/grain.py`
     gases : that its rate depends on beside those of its equation
     frequency : rate over the amount of the scarcest gas [1/s]; None: by the rate
     own_film : whether it contains the film around particles

@@ -6,6 +6,11 @@ beta [kg/m3/s].
 with intrinsic velocities, beside the pressure gradient that acts on both phases (model
 A): a bed at rest has -dp/dx = beta u_gas/eps. The force on one particle is beta
 V_p/(1 - eps) (u_gas - u_solid).
+
+A force that is published as F times Stokes', 3 pi mu d_p U with U = eps |u_gas - u_solid|:
+beta = 18 (1 - eps) eps F mu/d_p^2 if it is the drag alone (Beetstra), and
+18 (1 - eps) eps^2 F mu/d_p^2 if it holds the mean pressure gradient too. In a dense bed at
+Re -> 0 beta is 180 (1 - eps)^2/eps mu/d_p^2 (Carman).
 """
 
 from __future__ import annotations

@@ -18,6 +18,7 @@ VARIABLE = "NUMBA_CACHE_DIR"
 ROOMS = ("compiled", "solvers", "dem", "cfd_dem", "two_fluid")  # with kernels
 # bytes of compiled code of all layouts of the package; one has 40 MB
 LIMIT = 300e6
+TUPLE = b"(NamedTuple):"
 DAY = 86400.0  # s; an empty folder that is younger may belong to a run that compiles
 COMPILING = (
     "contbed: compiling for this processor, once for an installation and up to a "
@@ -29,8 +30,8 @@ COMPILING = (
 def choose_cache() -> None:
     """Name the folder for numba: that for caches of the user, else a temporary one.
 
-    Each layout of the package has a folder of its own, as compiled code names modules:
-    what was compiled before a module moved cannot be read after it.
+    Each layout of the package has a folder of its own, as compiled code names modules
+    and tuples: what was compiled before one of them moved cannot be read after it.
     """
     if VARIABLE in os.environ or "numba" in sys.modules:
         return
@@ -115,17 +116,28 @@ def clear() -> tuple[Path, int]:
 
 
 def _layout() -> str:
-    """Return a hash of the names of the modules in the rooms with kernels."""
+    """Return a hash of the names of the modules in the rooms with kernels, and of the
+    tuples that kernels take.
+    """
     package = Path(__file__).parents[1]
-    names = [
-        f"{folder}/{name}"
-        for room in ROOMS
-        for folder, _, files in os.walk(package / room)
-        for name in files
-        if name.endswith(".py")
-    ]
-    relative = [name.removeprefix(str(package)) for name in names]
-    return f"{crc32(chr(10).join(sorted(relative)).encode()):08x}"
+    names = []
+    for room in ROOMS:
+        for folder, _, files in os.walk(package / room):
+            for file in files:
+                if file.endswith(".py"):
+                    path = f"{folder}/{file}"
+                    names.append(path.removeprefix(str(package)).encode())
+                    names += _tuples(path)
+    return f"{crc32(b' '.join(sorted(names))):08x}"
+
+
+def _tuples(path: str) -> list[bytes]:
+    """Return the first lines of the named tuples that a file defines."""
+    with open(path, "rb") as file:
+        text = file.read()
+    if TUPLE not in text:
+        return []
+    return [line for line in text.splitlines() if line.endswith(TUPLE)]
 
 
 def tell_when_compiling() -> None:

@@ -539,7 +539,7 @@ class HeatProblem:
         walls and by radiation.
 
         `INSIDE` holds what species and tubes of given temperature radiate. What
-        prescribed temperatures conduct is in `reactions`. Streams count from the lowest
+        prescribed temperatures conduct is found by `conducted_in`. Streams count from the lowest
         temperature of the scene.
         """
         T_ref = self.T_span[0]

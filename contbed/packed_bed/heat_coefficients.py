@@ -62,11 +62,11 @@ class HeatCoefficients:
         time if given.
         """
         table = (boundary or self.scene.boundary).get(name)
-        if table is None or (phase == "solid" and self._is_side(name)):
+        if table is None or (phase == "solid" and self._heats_gas_alone(name)):
             return None
         return table.thermal(phase)
 
-    def _is_side(self, boundary: str) -> bool:
+    def _heats_gas_alone(self, boundary: str) -> bool:
         """Whether a boundary is the side of a line, whose heat for the bed is that of
         its gas, as in beds with reactions.
         """
@@ -285,7 +285,7 @@ class HeatCoefficients:
             options["coefficient"] = lambda unknowns: self.medium.wall(
                 spec, unknowns.T_fluid, speed
             )
-        if self.scene.boundary[name].passes_heat and not self._is_side(name):
+        if self.scene.boundary[name].passes_heat and not self._heats_gas_alone(name):
             options["share"] = self._share_of_heat(phase, where)
         if condition.emissivity is not None:
             options["emission"] = condition.emissivity * SIGMA
@@ -311,8 +311,8 @@ class HeatCoefficients:
     def given(
         self, phase: str, condition: s.PhaseCondition, inflow: bool
     ) -> dict[str, Any]:
-        """Return the values of a condition that may change with time; that of a
-        stream only where it `enters`.
+        """Return the values of a condition that may change with time; the
+        temperature of a stream only with `inflow`.
         """
         options: dict[str, Any] = {}
         if condition.temperature is not None and inflow:

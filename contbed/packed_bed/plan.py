@@ -383,7 +383,7 @@ def plan(scene: s.Scene) -> Plan:
         scene = schedule.frozen(scene, 0.0)
     fluid = fluid_of(scene.gas, scene.origin)
     require_properties(fluid, scene)
-    inside = _inside(schedule, scene)
+    inside = _inside(schedule, scene, fluid)
     scene = resolved(scene, inside)
     medium = Medium.of(scene, fluid)
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
@@ -479,7 +479,7 @@ def _changes_of_flow(schedule: Schedule, scene: s.Scene) -> list[float]:
     return list(found.values())
 
 
-def _inside(schedule: Schedule, scene: s.Scene) -> Inside | None:
+def _inside(schedule: Schedule, scene: s.Scene, fluid: Any) -> Inside | None:
     """Return the level of intraparticle conduction, by the flow for which its error is
     largest.
 
@@ -488,7 +488,7 @@ def _inside(schedule: Schedule, scene: s.Scene) -> Inside | None:
     """
     if scene.heat is None:
         return None
-    medium = Medium.of(scene.with_inside(None))
+    medium = Medium.of(scene.with_inside(None), fluid)
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
     moving = [each for each in flows if np.any(velocities(each)[0])]
     found = [

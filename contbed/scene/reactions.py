@@ -93,8 +93,8 @@ class Reaction(Table):
     equation: str | None = None
     """"CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; <-> if reversible"""
     law: str | None = None
-    """power, grain, grain_remaining, shrinking_core of first order in the first gas on the
-    left, or a law with a name"""
+    """rate law by name, which `contbed explain law` lists; absent: power, or the first law
+    of a reaction of this name"""
     rate: str | None = None
     """formula instead, of T, p, R, eps, parameters, p_A, c_A, x_A of a gas A, n_B of a
     solid B in moles per volume of the bed, X, the conversion of a solid to another, and

@@ -54,11 +54,11 @@ ROOT_PI = np.pi**0.5
 class FrictionTables(NamedTuple):
     """Friction at TABLE_SIZE solids fractions from friction_from to eps_max.
 
-    h [m2/s2] : integral of d p_friction/(rho_s eps_s)
+    potential [m2/s2] : integral of d p_friction/(rho_s eps_s)
     p_friction [Pa] : frictional pressure
     """
 
-    h: Array
+    potential: Array
     p_friction: Array
 
 
@@ -254,7 +254,7 @@ def _granular_in_cells(
         constants.restitution,
     )
     path, first = constants.free_path, constants.friction_from
-    h_table, p_table = tables.h, tables.p_friction
+    h_table, p_table = tables.potential, tables.p_friction
     eta, spacing = 0.5 * (1.0 + e), (eps_max - first) / (TABLE_SIZE - 1)
     dilute_mu, dilute_k = (
         5.0 / 96.0 * ROOT_PI,
@@ -293,12 +293,12 @@ def _granular_in_cells(
         out.dissipation[i] = (
             rho / d_p * dissipation(s, g0, constants.dissipative, own[5])
         )
-        out.h[i] = 0.0
+        out.potential[i] = 0.0
         out.p_friction[i] = 0.0
         if eps_s[i] > first:
             j = min(int((eps_s[i] - first) / spacing), TABLE_SIZE - 2)
             w = (eps_s[i] - first) / spacing - j
-            out.h[i] = h_table[j] + w * (h_table[j + 1] - h_table[j])
+            out.potential[i] = h_table[j] + w * (h_table[j + 1] - h_table[j])
             out.stiffness[i] += eps_s[i] * (h_table[j + 1] - h_table[j]) / spacing
             out.p_friction[i] = p_table[j] + w * (p_table[j + 1] - p_table[j])
     return few_by_drag, few_by_path, packed

@@ -16,11 +16,16 @@ with p_s = rho_s eps_s theta (1 + 2 (1 + e) eps_s g0) and friction near packing
 heat/equations.py, that of walls in heat/wall_layer.py.
 
 Discretization: cell-centred finite volumes on any mesh, collocated. One step (step.py)
-    is a projection method: solids
-move with one limited volume flux; both velocities are convected (MUSCL, explicit) and
-sheared (implicit); forces and partially eliminated drag act on faces, and one pressure
-equation makes the flux of both phases free of divergence; cell velocities are
-reconstructed from the faces. Drag, solids pressure, stress and granular temperature are
-implicit. The step is bound by the Courant number of the particles and by the heat of
-compression and shear; faster gas is sub-cycled.
+is a projection method, in this order: continuity.advance, heat/equations.advance,
+properties.evaluate_closures, momentum.predict, pressure.project (face_velocities.py,
+pressure_equation.py), momentum.reconstruct (cell_velocities.py),
+granular_temperature.advance. `model.kernels.NAME` is the function NAME of these files,
+or of rectangular/ on large grids of rectangles.
+
+Solids move with one limited volume flux; both velocities are convected (MUSCL,
+explicit) and sheared (implicit); forces and partially eliminated drag act on faces, and
+one pressure equation makes the flux of both phases free of divergence; cell velocities
+are reconstructed from the faces. Drag, solids pressure, stress and granular temperature
+are implicit. The step is bound by the Courant number of the particles and by the heat
+of compression and shear; faster gas is sub-cycled.
 """

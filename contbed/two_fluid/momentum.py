@@ -28,7 +28,7 @@ from contbed.two_fluid.operators import gradient, predictor_half_step
 from contbed.two_fluid.pressure import Projection, zero_slope_gradient
 from contbed.two_fluid.properties import density_ratio
 from contbed.two_fluid.state import Energy, Properties, State, fastest_gas
-from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress
+from contbed.two_fluid.stress import Motion, Viscosities, add_hoop_stress
 from contbed.two_fluid.timing import timed
 
 # subcycles of the convection of the gas in a step; more would cost more than shorter
@@ -43,7 +43,7 @@ class Phase(NamedTuple):
 
     name : of its velocity
     rho [kg/m3], rho_ratio : density, and the density of the cells over it
-    fluid : fraction and viscosities; flux (nf,) [m3/s]; subcycles : of convection
+    viscosities : and the fraction; flux (nf,) [m3/s]; subcycles : of convection
     side, slip : conditions at the boundary, and the share of the tangential velocity
         that walls leave
     u, rate, force, source (nc, dim) : velocity, its rate without convection,
@@ -54,7 +54,7 @@ class Phase(NamedTuple):
     name: str
     rho: float
     rho_ratio: float | Array
-    fluid: Fluid
+    viscosities: Viscosities
     flux: Array
     subcycles: int
     side: Side
@@ -166,7 +166,7 @@ def predict(
         "u_gas",
         materials.rho_gas,
         density_ratio(energy),
-        Fluid(1.0 - eps_s, model.gas_viscosity, model.gas_bulk_viscosity),
+        Viscosities(1.0 - eps_s, model.gas_viscosity, model.gas_bulk_viscosity),
         gas_flux,
         max(1, int(np.ceil(crossed * (1.0 - 1e-9)))),
         edge.gas,
@@ -181,7 +181,7 @@ def predict(
         "u_solid",
         materials.rho_solid,
         1.0,
-        Fluid(eps_s, mu_solid, r.bulk),
+        Viscosities(eps_s, mu_solid, r.bulk),
         moved.flux,
         1,
         edge.solid,
@@ -205,7 +205,7 @@ def predict(
 
 def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
     """Convection (MUSCL, sub-cycled) and implicit stress of one phase."""
-    g, u, side, eps = model.grid.geometry, one.u, one.side, one.fluid.eps
+    g, u, side, eps = model.grid.geometry, one.u, one.side, one.viscosities.eps
     given = np.empty_like(side.u)
     boundary_velocity(g, side, one.slip, u, eps, given)
     grad = gradient(model, u, given, None if one.name == "u_gas" else eps)
@@ -221,9 +221,9 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
     given_forces = one.rho * volume * (one.source + one.force)
     system.rhs[:] = one.rho * system.rhs + given_forces
     work, motion = np.zeros(len(eps)), Motion(u, grad, given, one.slip)
-    model.kernels.add_stress(side, one.fluid, motion, system, work)
+    model.kernels.add_stress(side, one.viscosities, motion, system, work)
     if model.grid.axisymmetric:
-        add_hoop_stress(g, one.fluid, motion, system, work)
+        add_hoop_stress(g, one.viscosities, motion, system, work)
     change = solve_system(state, one.name, system, model)
     at_walls = side.u[:, -1] - (
         u[model.boundary_cells, -1] + change[model.boundary_cells, -1]

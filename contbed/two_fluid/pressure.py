@@ -79,7 +79,7 @@ def project(
             h_solid - state.u_solid, eps_s, model
         )
     rho_gas = materials.rho_gas * density_ratio(energy) * np.ones(len(eps_s))
-    friction = properties.rheology.h
+    friction = properties.rheology.potential
     acting = properties.drag, kinetic, friction, state.p
     cells = Cells(
         rho_gas,
@@ -179,7 +179,7 @@ def force_gradients(
         np.empty((len(values), 1, arm.shape[1])),
     )
     resting = np.zeros(len(p), dtype=np.bool_)
-    potential, rho_s = properties.rheology.h, model.materials.rho_solid
+    potential, rho_s = properties.rheology.potential, model.materials.rho_solid
     drag = properties.drag[:, None] / rho_s * (state.u_gas - state.u_solid)
     gradient_rest_potential(g, potential, p / rho_s, model.gravity, drag, rest, resting)
     model.grid.halo.exchange(rest, resting)

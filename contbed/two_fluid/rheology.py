@@ -19,7 +19,7 @@ class Rheology(NamedTuple):
     stiffness [m2/s2] : d p_solid/d eps_s/rho_s with friction
     mu, bulk [Pa s] : kinetic and collisional viscosities
     p_friction [Pa] : frictional pressure
-    h [m2/s2] : integral of d p_friction/(rho_s eps_s)
+    potential [m2/s2] : integral of d p_friction/(rho_s eps_s)
     conductivity [kg/m/s] : of granular energy
     dissipation [kg/m3] : gamma/theta^(3/2), so that gamma is in W/m3
     """
@@ -30,7 +30,7 @@ class Rheology(NamedTuple):
     mu: np.ndarray
     bulk: np.ndarray
     p_friction: np.ndarray
-    h: np.ndarray
+    potential: np.ndarray
     conductivity: np.ndarray
     dissipation: np.ndarray
 

@@ -20,7 +20,7 @@ from contbed.two_fluid.linear.cg import System
 EXCESS_IMPLICIT_FACTOR = 2.0
 
 
-class Fluid(NamedTuple):
+class Viscosities(NamedTuple):
     """Fraction of a phase, its viscosity and bulk viscosity [Pa s], each (nc,)."""
 
     eps: Array
@@ -85,7 +85,12 @@ def stress_link(
 
 @kernel
 def add_stress(
-    g: Geometry, side: Side, fluid: Fluid, motion: Motion, system: System, work: Array
+    g: Geometry,
+    side: Side,
+    viscosities: Viscosities,
+    motion: Motion,
+    system: System,
+    work: Array,
 ) -> None:
     """Add the force [N] of the stress on each cell to the right-hand side, and its
     links to the coefficients.
@@ -98,7 +103,7 @@ def add_stress(
     each cell (shear production), without that of the excess.
     """
     dim = len(g.axes)
-    mu, bulk, eps = fluid.mu, fluid.bulk, fluid.eps
+    mu, bulk, eps = viscosities.mu, viscosities.bulk, viscosities.eps
     u, grad, out, coef = motion.u, motion.gradient, system.rhs, system.coef
     local = np.empty((dim, dim))
     for f in range(len(g.right)):
@@ -142,12 +147,17 @@ def add_stress(
             coef[f, k] = area * stress_link(m, lam, excess, n, inverse_distance)
         work[left] += lost_left
         work[right] += lost_right
-    add_boundary_stress(g, side, fluid, motion, system, work)
+    add_boundary_stress(g, side, viscosities, motion, system, work)
 
 
 @inner
 def add_boundary_stress(
-    g: Geometry, side: Side, fluid: Fluid, motion: Motion, system: System, work: Array
+    g: Geometry,
+    side: Side,
+    viscosities: Viscosities,
+    motion: Motion,
+    system: System,
+    work: Array,
 ) -> None:
     """Add the stress on boundary faces, see `add_stress`."""
     ni, dim = len(g.right), len(g.axes)
@@ -156,7 +166,7 @@ def add_boundary_stress(
     local = np.empty((dim, dim))
     for f in range(g.edge_from, g.edge_to):
         b, left = f - ni, g.left[f]
-        m, lam = fluid.mu[left], fluid.bulk[left]
+        m, lam = viscosities.mu[left], viscosities.bulk[left]
         scale = g.area[f] / g.distance[f]
         if side.kind[b] == OUTLET:
             for k in range(dim):
@@ -201,12 +211,12 @@ def add_boundary_stress(
 
 @kernel
 def add_hoop_stress(
-    g: Geometry, fluid: Fluid, motion: Motion, system: System, work: Array
+    g: Geometry, viscosities: Viscosities, motion: Motion, system: System, work: Array
 ) -> None:
     """Add the force of the stress around the axis, which pulls inwards, and its
     links to the given u_r = 0 there.
     """
-    mu, bulk, u, grad = fluid.mu, fluid.bulk, motion.u, motion.gradient
+    mu, bulk, u, grad = viscosities.mu, viscosities.bulk, motion.u, motion.gradient
     out, diagonal = system.rhs, system.links
     for c in range(u.shape[0]):
         r = g.radius[c]

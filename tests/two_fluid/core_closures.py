@@ -60,7 +60,7 @@ def closures(
             mu=viscosity * eps_s,
             bulk=bulk * eps_s,
             p_friction=np.where(over > 0, 1.0, 0.0),
-            h=h,
+            potential=h,
             conductivity=conductivity * eps_s,
             dissipation=dissipation * eps_s**2,
         )

@@ -50,7 +50,7 @@ def carried(cells, velocity):
     s, p, h = (
         s[:rubbing],
         b.state.p[order][:rubbing],
-        b.state.properties.rheology.h[order][:rubbing],
+        b.state.properties.rheology.potential[order][:rubbing],
     )
     mean = 0.5 * (s[1:] + s[:-1])
     weight = 9.81 * 0.2 / cells * (2500 * mean + 1.2 * (1 - mean)).sum()

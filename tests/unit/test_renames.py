@@ -59,10 +59,7 @@ def test_a_former_key_of_a_template_says_what_to_do(kind: str) -> None:
             refused(re.escape(now), from_dict, scene)
 
 
-@pytest.mark.parametrize(
-    "kind",
-    ["two_fluid", "developed_flow", "bubbling_bed", "single_particle", "reacting_bed"],
-)
+@pytest.mark.parametrize("kind", MODELS)
 def test_present_names_are_keys_of_the_scene(kind: str) -> None:
     model = MODELS[kind].scene
     for former, now in renamed(kind).items():

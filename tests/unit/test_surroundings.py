@@ -141,18 +141,24 @@ def test_an_account_without_a_home(tmp_path):
 
 
 def test_each_layout_of_the_package_has_its_own_compiled_code(tmp_path, monkeypatch):
-    """Code that was compiled before a module moved names a module that is gone."""
+    """Code that was compiled before a module or a tuple of a kernel was renamed names
+    what is gone.
+    """
     from contbed.compiled import cache
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.delitem(sys.modules, "numba", raising=False)
     found = []
-    for rooms in (cache.ROOMS, cache.ROOMS[1:]):
-        monkeypatch.setattr(cache, "ROOMS", rooms)
+    for key, value in (
+        ("ROOMS", cache.ROOMS),
+        ("TUPLE", b"(Enum):"),
+        ("ROOMS", cache.ROOMS[1:]),
+    ):
+        monkeypatch.setattr(cache, key, value)
         monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
         cache.choose_cache()
         found.append(Path(os.environ["NUMBA_CACHE_DIR"]))
-    assert found[0] != found[1]
+    assert len(set(found)) == 3
     assert all(folder.parent == tmp_path / "contbed" for folder in found)
 
 

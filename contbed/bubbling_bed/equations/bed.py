@@ -23,13 +23,13 @@ a_m h_gm surface per emulsion volume times particle-gas coefficient [W/m3/K]
 H_mn     exchange between species [W/m3/K]      H_be     exchange of bubble and emulsion gas [W/m3/K]
 f_m      share of m in the surface of all particles [1]
 G        incident radiation [W/m2]              E        sigma T^4 [W/m2]
-K_a,m    absorption coefficient [1/m]           D        see models.radiation; that of the emulsion: bubbles are windows
+K_a,m    absorption coefficient [1/m]           D        of the emulsion, radiation/equations/p1.py; bubbles are windows
 x        tubes, walls: perimeter p [m], coefficient h [W/m2/K], effective emissivity eps in the bulk field [1]
 J        radiosity of the freeboard [W/m2]      NTU      transfer units of the gas in the distributor [1]
 
 With frozen coefficients W is a capacity flow [W/K], h = T, and X = 0. Computed
 coefficients are functions of the unknowns at the same place, see `Local`; bubbles then
-bring the fields of models.bubbling_flow.
+bring the fields of equations/flow.py.
 
 Without transport of radiation ("paper", "pairwise") G is the algebraic 4 sum K_a,m
 E_m / sum K_a,m, surfaces cool the species by their shares, p_x (eps_x/4) (K_a,m/K_a) 4

@@ -11,8 +11,8 @@ from contbed.two_fluid.fv.rows import Rows
 from contbed.two_fluid.linear.cg import System
 from contbed.two_fluid.rectangular.fields import weigh_neighbours
 from contbed.two_fluid.stress import (
-    Fluid,
     Motion,
+    Viscosities,
     add_boundary_stress,
     excess_viscosity,
     face_viscosity,
@@ -50,7 +50,7 @@ def add_stress(
     g: Geometry,
     rows: Rows,
     side: Side,
-    fluid: Fluid,
+    viscosities: Viscosities,
     motion: Motion,
     system: System,
     work: Array,
@@ -60,8 +60,8 @@ def add_stress(
     """
     ni, dim = len(g.right), len(g.axes)
     mu, bulk, u, grad, out, coef = (
-        fluid.mu,
-        fluid.bulk,
+        viscosities.mu,
+        viscosities.bulk,
         motion.u,
         motion.gradient,
         system.rhs,
@@ -70,7 +70,7 @@ def add_stress(
     to_left, to_right, divergence, m, lam, excess, force, stress = [
         np.empty(ni) for _ in range(8)
     ]
-    weigh_neighbours(rows, fluid.eps, to_left, to_right)
+    weigh_neighbours(rows, viscosities.eps, to_left, to_right)
     for r in range(len(rows.length)):
         d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
         _face_divergence(g, rows, r, motion, divergence)
@@ -119,7 +119,7 @@ def add_stress(
     add_boundary_stress(
         g,
         side,
-        fluid,
+        viscosities,
         by_cell,
         System(coef.T, system.links.T, system.content.T, out.T),
         work,
