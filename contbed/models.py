@@ -9,12 +9,12 @@ Every physics is a package with the same modules, which are imported when they a
     plan.py     plan(scene) -> Plan: what is built, what is left out and why, unknowns and cost
     run.py      run(plan, result, folder, quiet, start): solves and fills the result; RESTART_MAY_CHANGE, keys that may
                 differ after a restart, if the plan has steps
-    tangent.py  of(result), for derivatives of results by keys; optional
     results.py  named results, profiles, tables and balances of a run
     plots.py    plot(result, folder): the plots of a run
     equations/  the equations, each file with its PDEs, symbols, units and source
     template.toml   a commented scene that runs as it is, for `contbed new`
 
+Derivatives of results by keys need tangent.py with of(result) beside.
 A new physics is such a package and one entry of MODELS; CONTRIBUTING.md lists the tests,
 pages and tables that name it beside.
 """
@@ -73,7 +73,7 @@ class Model:
         have the same, and the tables decide between them
     settings : name of the pydantic model of its scenes in scene.py
     means : whether the top-level tables of a file make it a scene of this physics
-    decides : the tables and keys by which it is told from others of its name
+    decides : the tables and keys by which it differs from others of its name
     equations : modules in the package whose docstrings `contbed explain` shows, by name
     compiles : whether its loops are compiled at their first use, which takes a while
     scatters : whether its results scatter with the start of the particles, so that

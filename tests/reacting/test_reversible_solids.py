@@ -143,7 +143,11 @@ def test_a_core_is_the_same_by_any_multiple_of_its_equation():
 @pytest.mark.parametrize(
     ("old", "new", "text"),
     [
-        ('diffusivity = "1.5e-4 m**2/s"', 'grain_radius = 1e-6\nmolar_density = 1e4\nlaw = "grain"', "grains have no reverse"),
+        (
+            'diffusivity = "1.5e-4 m**2/s"',
+            'grain_radius = 1e-6\nmolar_density = 1e4\nlaw = "grain"',
+            "grains have no reverse",
+        ),
         ("+ 4 H2 <-> 3 Fe + 4 H2O", "+ 2 H2 <-> 3 Fe + 2 H2O + O2", "a shrinking core runs back only where"),
         (', entropy = 27.3', "", "needs enthalpy and entropy of Fe"),
     ],
