@@ -12,7 +12,7 @@ from bubbling_scenes import STUDY, case1
 from pytest import approx
 
 import contbed as cb
-from contbed.bubbling_bed.checks import two_flux_is_low
+from contbed.bubbling_bed.surface_checks import two_flux_is_low
 from tests.balances import assert_closed
 from tests.numbers_of import table_of
 

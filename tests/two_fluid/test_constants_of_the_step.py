@@ -21,7 +21,7 @@ from contbed.two_fluid.solids_pressure import (
     add_compaction_velocity,
     assemble_compaction,
 )
-from contbed.two_fluid.stress import Fluid, Motion, add_stress
+from contbed.two_fluid.stress import Motion, Viscosities, add_stress
 
 SIDES = {"left": boundary.WallCondition(), "right": boundary.WallCondition()}
 
@@ -172,7 +172,7 @@ def test_excess_of_viscosity_is_over_relaxed():
     system.rhs[:] = 0.0
     u = np.array([[0.0], [1.0]])
     motion = Motion(u, np.zeros((2, 1, 1)), np.zeros((2, 1)), np.ones(2))
-    fluid = Fluid(np.full(2, 0.3), np.array([4.0, 0.0]), np.zeros(2))
+    fluid = Viscosities(np.full(2, 0.3), np.array([4.0, 0.0]), np.zeros(2))
     add_stress(g, b.model.edge.solid, fluid, motion, system, np.zeros(2))
     # the wall of the cell at rest takes nothing from it: what is left is the explicit
     # force of the excess, 4/2
