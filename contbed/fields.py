@@ -166,3 +166,14 @@ def span(ends: Iterable[float | None], style: str = ".3g") -> str:
         words = [f"{word} {end:{style}}" for word, end in bounds if end is not None]
         return words[0] if words else "any"
     return f"{low:{style}}" if low == high else f"{low:{style}} to {high:{style}}"
+
+
+def distinct(found: float, allowed: float) -> tuple[str, str]:
+    """Return two numbers with two digits, or as many as show which is larger.
+
+    >>> distinct(1.3e-5, 1e-5), distinct(1.0004e-5, 1e-5)
+    (('1.3e-05', '1e-05'), ('1.0004e-05', '1e-05'))
+    """
+    pairs = ((f"{found:.{n}g}", f"{allowed:.{n}g}") for n in range(2, 18))
+    unlike = (pair for pair in pairs if pair[0] != pair[1])
+    return next(unlike, (f"{found:g}", f"{allowed:g}"))

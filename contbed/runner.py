@@ -25,7 +25,7 @@ from contbed.errors import (
     SceneError,
     interrupt_in,
 )
-from contbed.fields import field, name_of
+from contbed.fields import distinct, field, name_of
 from contbed.result import Result, outside
 from contbed.scene.identity import identity
 from contbed.scene.inputs import all_inputs, inputs_by_key
@@ -312,10 +312,12 @@ def _verdict(scene: Any, result: Result) -> None:
     _require_temperatures(result)
     for name, balance in result.balances.items():
         if not abs(balance["relative_residual"]) <= scene.solver.balance_tolerance:
+            left, allowed = distinct(
+                balance["relative_residual"], scene.solver.balance_tolerance
+            )
             raise BalanceError(
-                f"balance of {name} is open by {balance['relative_residual']:.2g} of "
-                "its largest part, allowed "
-                f"{scene.solver.balance_tolerance:.2g}; lower solver.newton_tolerance "
+                f"balance of {name} is open by {left} of its largest part, allowed "
+                f"{allowed}; lower solver.newton_tolerance "
                 "or raise solver.balance_tolerance"
             )
     beyond = [closure for closure in result.closures if closure["share_outside"] > 0]

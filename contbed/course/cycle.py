@@ -23,6 +23,7 @@ import numpy as np
 from contbed.course.history import packed, unpacked
 from contbed.course.march import H
 from contbed.errors import ConvergenceError
+from contbed.fields import distinct
 from contbed.solvers.anderson import Anderson
 
 ADAPTIVE = 4  # periods whose steps are chosen anew; later ones repeat those of the last
@@ -169,7 +170,8 @@ def periods(
         change = np.abs(image - before)
         # of a bed that stores nothing 0 in its first period
         largest = float(np.max(change, initial=0.0))
-        note = f" (the last changed by {largest:.2g}, allowed are {tolerance:.2g})"
+        changed, allowed = distinct(largest, tolerance)
+        note = f" (the last changed by {changed}, allowed are {allowed})"
         small = largest <= tolerance and (count > 1 or not change.size)
         closed = small and not outdated
         yield Period(count, search.begin, after, sizes, scale, change, closed)

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from contbed.fem.tensor_error import TensorGrid, balanced
+from contbed.fields import distinct
 from contbed.packed_bed.corners import Side, adjacent_sides, unlike_temperatures
 from contbed.packed_bed.schedule import PHASES
 
@@ -250,15 +251,16 @@ def report(plan: Any, estimate: Estimate, result: Any) -> None:
         where = _worst(
             max(fields, key=lambda field: field.error), plan.mesh.axisymmetric
         )
+        wrong, asked = distinct(error, limit)
         text = (
-            f"the {name} is wrong by up to about {error:.2g} {over}, by its "
+            f"the {name} is wrong by up to about {wrong} {over}, by its "
             f"estimate, most at {where}; "
         )
         if given:
             text += "layers are not resolved by the given cells: leave out mesh.cells"
         else:
             text += (
-                f"solver.tolerance asks for {limit:.2g}, and an automatic mesh has "
+                f"solver.tolerance asks for {asked}, and an automatic mesh has "
                 f"{plan.most_cells} cells at most: "
                 "raise solver.tolerance, or give mesh.cells with mesh.graded = true"
             )

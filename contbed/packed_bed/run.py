@@ -9,6 +9,7 @@ from typing import Any
 
 from contbed.balance import Balance
 from contbed.fem.probe import Line, line_along
+from contbed.fields import distinct
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.run_parts import (
     Solved,
@@ -167,9 +168,10 @@ def _better(
             return plan.refined(error), None
         result.qoi["estimated_error"] = largest
         if largest > asked:
+            wrong, allowed = distinct(largest, asked)
             result.warnings.append(
-                f"the temperature is wrong by up to about {largest:.2g} of the span of "
-                f"temperatures, by its estimate; solver.tolerance asks for {asked:.2g}: "
+                f"the temperature is wrong by up to about {wrong} of the span of "
+                f"temperatures, by its estimate; solver.tolerance asks for {allowed}: "
                 "raise solver.adapt, or give more mesh.cells"
             )
     return None, None

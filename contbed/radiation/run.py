@@ -12,6 +12,7 @@ import numpy as np
 
 from contbed.balance import HELD_SHARE, Balance
 from contbed.fem.probe import Line, Probe, line_along
+from contbed.fields import distinct
 from contbed.radiation.plan import Plan
 from contbed.radiation.problem import RadiationProblem, emission
 from contbed.radiation.results import fill
@@ -119,10 +120,11 @@ def _report_angles(plan: Plan, error: float, result: Result) -> None:
     ordinates, tolerance = plan.solved.radiation.ordinates, plan.scene.solver.tolerance
     result.qoi |= {"ordinates": ordinates, "estimated_error_angles": error}
     if error > tolerance:
+        left, asked = distinct(error, tolerance)
         result.warnings.append(
             f"{ordinates} ordinates in each hemisphere leave an estimated error of "
-            f"{error:.1g} of G and flux, "
-            f"solver.tolerance asks for {tolerance:.1g}; no more are tried: thin media "
+            f"{left} of G and flux, "
+            f"solver.tolerance asks for {asked}; no more are tried: thin media "
             "emit along grazing directions"
         )
 

@@ -59,7 +59,8 @@ from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
 
 MOST_OF_A_DUCT = 8  # rings; a step of 16 takes two minutes and 11 GB
-LARGEST_CAPACITY = 4000.0  # of a solid [J/kg/K]; lithium has 3600, wood 2500
+# of a constituent [J/kg/K]; moisture has 4180, lithium 3600, wood 2500
+LARGEST_CAPACITY = 4300.0
 
 
 def compositions_sum_to_one(

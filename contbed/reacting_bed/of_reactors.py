@@ -86,6 +86,16 @@ def space_velocities(problem: Problem) -> dict[str, float]:
     return found
 
 
+def heat_of(problem: Problem, reaction: Reaction, T: float) -> float:
+    """Return the heat that a mole of a reaction absorbs at a temperature [J/mol]."""
+    phase = reaction.phase
+    species = problem.species.plain if phase is None else problem.species.phases[phase]
+    return sum(
+        n * float(species.all[name].enthalpy(T))
+        for name, n in reaction.stoichiometry.items()
+    )
+
+
 def hot_spot(
     problem: Problem, inner: tuple[State, Array], ends: tuple[State, Array]
 ) -> dict[str, float]:

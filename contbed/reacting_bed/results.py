@@ -31,6 +31,8 @@ UNDERSHOT = 1e-6  # share of the whole below zero that is counted
 DRY = 1e-9  # share of the gas beside steam below which there is no dry gas
 # Q/K of a formula above which it is reported; its own K may differ from tables
 BEYOND = 1.5
+# share of the heat of reactions that is released where a bed has a hot spot
+LEAST_RELEASED = 1e-3
 BETWEEN = 2  # positions of profiles inside of each cell
 
 
@@ -284,8 +286,10 @@ def _extents(
     """
     inner = problem.bed.state(problem.at_all_points(u))
     rates = problem.bed.rates(inner, problem.bed.medium.at(inner))
+    T, absorbed = float(np.mean(inner.T_fluid)), np.zeros(1)
     for reaction, rate in zip(problem.reactions, rates, strict=True):
         extent = problem.integral(rate)
+        absorbed = absorbed + rate * of_reactors.heat_of(problem, reaction, T)
         result.qoi[f"extent_{reaction.name}_mol_m2s"] = extent
         if reaction.key != reaction.name:  # in several solid phases
             whole = f"extent_{reaction.key}_mol_m2s"
@@ -319,7 +323,12 @@ def _extents(
     if problem.reactions:
         points = inner, problem.line.points.ravel()
         both_ends = state, problem.line.vertices[[0, -1]]
-        result.qoi |= of_reactors.hot_spot(problem, points, both_ends)
+        released, all_heat = (
+            problem.integral(heat)
+            for heat in (np.maximum(-absorbed, 0.0), abs(absorbed))
+        )
+        if released >= LEAST_RELEASED * all_heat:
+            result.qoi |= of_reactors.hot_spot(problem, points, both_ends)
         result.qoi |= of_reactors.space_velocities(problem)
 
 

@@ -14,6 +14,7 @@ from contbed.arrays import Array
 from contbed.course.cycle import Period, Search, periods
 from contbed.course.history import Saver
 from contbed.errors import ConvergenceError
+from contbed.fields import distinct
 from contbed.output.progress import Progress
 from contbed.reacting_bed import solve
 from contbed.reacting_bed.course import Course
@@ -84,10 +85,11 @@ def run_transient(
             result.qoi |= cycle_findings(course, period)
     if period is not None and not period.closed:
         assert time.cycle is not None
+        changes, allowed = distinct(period.largest, time.cycle.tolerance)
         raise ConvergenceError(
             f"{origin.at(('time', 'cycle'))}: time.cycle: of {period.number} "
-            f"periods the best changes the bed by {period.largest:.3g} of its typical "
-            f"sizes, allowed are {time.cycle.tolerance:.3g}: use more mesh.cells, "
+            f"periods the best changes the bed by {changes} of its typical "
+            f"sizes, allowed are {allowed}: use more mesh.cells, "
             "raise time.cycle.tolerance, or begin with the profiles of that period, "
             "which were written, initial.file",
             report.history,

@@ -33,6 +33,7 @@ Curve = Annotated[
     tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=4)
 ]
 PositiveDiffusivity = Annotated[float, *unit("m**2/s"), Field(gt=0)]
+MolarDensity = Annotated[float, *unit("mol/m**3"), Field(gt=0)]
 SpecificArea = Annotated[float, *unit("1/m"), Field(gt=0)]
 
 
@@ -124,8 +125,8 @@ class Reaction(Table):
     species"""
     grain_radius: Length | None = None
     """radius of the grains in the particles"""
-    molar_density: Positive | None = None
-    """of the reacting solid in a grain [mol/m3]"""
+    molar_density: MolarDensity | None = None
+    """of the reacting solid in a grain"""
     active_share: Positive = 1.0
     """share of the surface of grains that reacts"""
     diffusivity: PositiveDiffusivity | None = None

@@ -279,6 +279,21 @@ def test_a_heat_capacity_per_mass_of_a_constituent_is_reported():
         assert bool(found) == warns, value
 
 
+def test_moisture_of_solids_has_the_heat_capacity_of_water():
+    """75.3 J/mol/K is 4180 J/kg/K."""
+    wet = filled(GOOD).replace("Fe = {", "H2O = { heat_capacity = 75.3 }, Fe = {")
+    assert not [each for each in loads(wet).warnings if "more than any" in each]
+
+
+@pytest.mark.parametrize("density", ["1e5", '"1e5 mol/m**3"', '"100 kmol/m3"'])
+def test_moles_of_a_grain_take_a_unit(density):
+    law = f'law = "grain"\ngrain_radius = 1e-6\nmolar_density = {density}\nA = 1.0'
+    text = filled(GOOD).replace("CH4 + 2 O2 -> CO2 + 2 H2O", "2 Fe + O2 -> 2 FeO")
+    text += "\n[time]\nend = 1.0\n"
+    found = loads(text.replace("A = 1.0", law)).reactions["burning"].molar_density
+    assert found == pytest.approx(1e5, rel=1e-15)
+
+
 @pytest.mark.parametrize(("name", "meant"), [("NIO", "NiO"), ("CUO", "CuO")])
 def test_names_in_capitals_that_read_as_iodine_or_uranium_are_refused(name, meant):
     with pytest.raises(SceneError, match=f"write {meant}"):

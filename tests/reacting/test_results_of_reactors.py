@@ -169,3 +169,10 @@ def test_the_hot_spot_of_a_section_is_not_above_its_axis():
     """
     qoi = run(loads(SLOT, "slot.toml")).qoi
     assert qoi["hot_spot_K"] == approx(419.0, abs=0.02)
+
+
+def test_a_bed_whose_reactions_absorb_heat_has_no_hot_spot():
+    """Its hottest gas is that which enters."""
+    absorbs = SLOT.replace('enthalpy = "100 kJ/mol"', 'enthalpy = "-100 kJ/mol"')
+    qoi = run(loads(absorbs, "slot.toml")).qoi
+    assert "hot_spot_K" not in qoi and qoi["T_fluid_out_K"] < 400.0
