@@ -65,7 +65,8 @@ class History:
         ]
         if bed.T is not None:
             held = bed.gas.mass.sum()
-            row += [float(bed.gas.mass @ bed.gas.T / held), float(bed.T.mean())]
+            solids = float(np.average(bed.T, weights=bed.capacity))
+            row += [float(bed.gas.mass @ bed.gas.T / held), solids]
         self.rows.append(row + self._heat_of_tubes(bed) + self.probes.row(bed.gas))
 
     def _heat_of_tubes(self, bed: Bed) -> list[float]:

@@ -35,7 +35,7 @@ def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
         floor = max(abs(bed.gas.sums["gained"]), ROUNDING * float(bed.capacity.sum()))
         result.balances["energy"] = _balance(heat, "J", floor)
         result.qoi |= {
-            "T_solid_mean_K": float(bed.T.mean()),
+            "T_solid_mean_K": float(np.average(bed.T, weights=bed.capacity)),
             "T_fluid_max_K": float(bed.gas.T.max()),
             "radiation_not_balanced [J]": bed.radiated,
         }

@@ -69,14 +69,16 @@ class Comparison:
         """Return how far a result is from that of the first model that has it, relative
         to it.
 
-        None for that model itself, for one without the result, and where the first is
-        0.
+        None for that model itself, for one without the result, where the first is 0,
+        and where both are means over different times.
         """
         first = next(each for each in self.outcomes if name in each.results)
-        reference = first.results[name].value
-        if outcome is first or name not in outcome.results or reference == 0.0:
+        reference, found = first.results[name], outcome.results.get(name)
+        if outcome is first or found is None or reference.value == 0.0:
             return None
-        return (outcome.results[name].value - reference) / abs(reference)
+        if _apart(reference, found):
+            return None
+        return (found.value - reference.value) / abs(reference.value)
 
     def text(self) -> str:
         """Return the comparison as a table for a terminal."""
@@ -87,6 +89,13 @@ class Comparison:
         rows.append((TIME, *(f"{outcome.seconds:.3g}" for outcome in self.outcomes)))
         rows.append(("unknowns", *(str(outcome.unknowns) for outcome in self.outcomes)))
         lines = aligned(rows, left=(0,))
+        for name, value in self.shared.items():
+            lines += [
+                f"{name}: of {outcome.model} in the mean since {found.since:g} s, of the "
+                f"first since {value.since:g} s: take time.average_from away to compare"
+                for outcome in self.outcomes
+                if (found := outcome.results.get(name)) and _apart(value, found)
+            ]
         for outcome in self.outcomes:
             lines += ["", f"{outcome.model}:"]
             lines += [f"  failed: {outcome.problem}"] if outcome.problem else []
@@ -115,6 +124,11 @@ class Comparison:
         rows.append([TIME, *(f"{outcome.seconds:.3g}" for outcome in self.outcomes)])
         head = ["quantity", *(outcome.model for outcome in self.outcomes)]
         write_rows(out / TABLE, head, rows)
+
+
+def _apart(one: Value, other: Value) -> bool:
+    """Whether both are means over different times."""
+    return None not in (one.since, other.since) and one.since != other.since
 
 
 def compare(
@@ -172,10 +186,12 @@ def _outcome(model: str, scene: SceneBase, folder: Path, quiet: bool) -> Outcome
     except ContbedError as error:
         return Outcome(model, ignored=ignored, problem=str(error))
     tables = {"profiles": result.profiles, **result.tables}
+    time = getattr(scene, "time", None)
+    since = None if time is None else getattr(time, "average_from", None) or 0.0
     return Outcome(
         model,
         common_results(
-            result.qoi, tables, tuple(getattr(scene, "solids", ())), result.units
+            result.qoi, tables, tuple(getattr(scene, "solids", ())), result.units, since
         ),
         result.timings["total"],
         sum(result.plan.unknowns().values()),

@@ -28,6 +28,7 @@ class Common:
 
     results : its named results
     columns : columns along the bed, whose mean counts where there is no named result
+    in_time : a mean over the time of a run
     """
 
     name: str
@@ -35,6 +36,7 @@ class Common:
     meaning: str
     results: tuple[str, ...] = ()
     columns: tuple[str, ...] = ()
+    in_time: bool = False
 
 
 COMMON = (
@@ -54,7 +56,7 @@ COMMON = (
         "T_gas_mean",
         "K",
         "mean temperature of the gas along the bed",
-        ("T_gas_mean [K]",),
+        ("T_fluid_mean_K", "T_gas_mean [K]"),
         ("T_fluid [K]", "T_emulsion [K]", "T_gas [K]"),
     ),
     Common(
@@ -69,6 +71,7 @@ COMMON = (
         "W",
         "heat into the bed through a boundary, in the mean",
         ("heat_NAME_W",),
+        in_time=True,
     ),
     Common("bed_height", "m", "height of the bed", ("bed_height_m", "height [m]")),
     Common(
@@ -83,11 +86,14 @@ COMMON = (
 
 @dataclass(frozen=True)
 class Value:
-    """What a run found for a common quantity."""
+    """What a run found for a common quantity; a mean over time since `since` [s], None
+    for others.
+    """
 
     value: float
     unit: str
     meaning: str
+    since: float | None = None
 
 
 def common_results(
@@ -95,6 +101,7 @@ def common_results(
     tables: Mapping[str, Mapping[str, Any]],
     solids: Sequence[str],
     units: Mapping[str, str] | None = None,
+    since: float | None = None,
 ) -> dict[str, Value]:
     """Return the results of a run that other models may have too, by common name.
 
@@ -104,6 +111,7 @@ def common_results(
     tables : columns by header, of "profiles" and of further tables
     solids : names of the solid phases
     units : of named results, where that of the quantity is another one
+    since : start of means over time [s]; None for a steady run
     """
     found: dict[str, Value] = {}
     for quantity in COMMON:
@@ -111,7 +119,8 @@ def common_results(
         values = {name: float(qoi[key]) for name, key in keys.items()}
         for name, value in (values or _means(quantity, tables, solids)).items():
             unit = (units or {}).get(keys.get(name, ""), quantity.unit)
-            found[name] = Value(value, unit, quantity.meaning)
+            start = since if quantity.in_time else None
+            found[name] = Value(value, unit, quantity.meaning, start)
     return found
 
 

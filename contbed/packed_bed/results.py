@@ -109,6 +109,7 @@ def steady_findings(
     result.nodal |= _nodal(problem, state)
     leaving, entering = streams(problem, state)
     _outlets(leaving, result)
+    result.qoi |= _means(problem, state)
     _exchanger(plan, problem, entering, fluxes, (x, solid - fluid), result)
     result.qoi |= _heats(plan, fluxes, conducted)
     for inside, otherwise in (
@@ -138,15 +139,17 @@ def wall_findings(
     plan: Plan, fluxes: Any, conducted: Any, time: float, result: Result
 ) -> None:
     """Report the mean heat through each wall over a run of some time [s], from the
-    heat through all boundaries [J].
+    heat through all boundaries [J]; none of those that streams pass at some time.
     """
     from contbed.packed_bed.flow import is_across
 
-    ends = {name for name, kind in plan.roles.items() if kind in PASSED}
-    ends |= {
+    parts = [0.5 * (each.start + each.end) for each in plan.intervals() if each]
+    ends = {
         name
+        for part in (plan, *plan.at(parts))
         for name in plan.mesh.boundaries
-        if is_across(plan.mesh, name, plan.velocity_solid)
+        if part.roles.get(name) in PASSED
+        or is_across(plan.mesh, name, part.velocity_solid)
     }
     walls = {name: value for name, value in conducted.items() if name not in ends}
     heated = {
@@ -178,6 +181,18 @@ def _equilibrium(x: Any, gap: Any, mean: Any, result: Result) -> None:
 def _outlets(leaving: Streams, result: Result) -> None:
     """Report the mean outlet temperature of each stream."""
     result.qoi |= {f"T_{phase}_out_K": T for phase, (_, T) in leaving.items()}
+
+
+def _means(problem: Any, state: Any) -> dict[str, float]:
+    """Return the mean temperatures of both phases by volume."""
+    cells = problem.system.cells
+    return {
+        f"{name}_mean_K": problem.system.integrate(
+            lambda unknowns, o, name=name: getattr(unknowns, name), [cells], state
+        )
+        / float(np.sum(cells.weight))
+        for name in TEMPERATURES
+    }
 
 
 def _exchanger(
@@ -448,6 +463,7 @@ def transient_findings(
     ]
     result.nodal |= _nodal(problem, snapshots[-1])
     _outlets(streams(problem, snapshots[-1])[0], result)
+    result.qoi |= _means(problem, snapshots[-1])
 
 
 def front_findings(

@@ -101,11 +101,12 @@ def row(bed: Simulation) -> list[float]:
 
 
 def _temperatures(bed: Simulation, heat: Energy) -> list[float]:
-    """Means by mass, and the hottest gas and particles; those of particles are nan
+    """Means by volume of the phase, and the hottest gas and particles; those of particles are nan
     where none are left.
     """
     volume = bed.model.grid.geometry.volume
-    gas, solid = heat.mass * volume, bed.state.eps_s * volume
+    solid = bed.state.eps_s * volume
+    gas = volume - solid
     hottest = float(
         np.max(
             heat.T_solid, where=bed.state.eps_s > MIN_REPORTED_FRACTION, initial=-np.inf

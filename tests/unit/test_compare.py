@@ -51,6 +51,24 @@ def test_the_text_says_what_each_leaves_out():
     assert "failed: the bed does not fluidize" in text
 
 
+def test_means_over_different_times_are_not_compared():
+    """A steady run has no such time, and is compared."""
+
+    def outcome(model, since):
+        return Outcome(model, {"heat_left": Value(2.0, "W", "", since)})
+
+    found = Comparison((outcome("a", 0.0), outcome("b", 60.0), outcome("c", None)))
+    assert found.difference("heat_left", found.outcomes[1]) is None
+    assert found.difference("heat_left", found.outcomes[2]) == 0.0
+    assert "heat_left: of b in the mean since 60 s, of the first since 0 s" in (
+        found.text()
+    )
+    assert "of c" not in found.text()
+    qoi = {"heat_left_W": 2.0, "bed_height_m": 1.0}
+    common = common_results(qoi, {}, [], since=60.0)
+    assert common["heat_left"].since == 60.0 and common["bed_height"].since is None
+
+
 def test_files_hold_the_numbers(tmp_path):
     FOUND.write(tmp_path)
     with open(tmp_path / TABLE, encoding="utf-8", newline="") as file:

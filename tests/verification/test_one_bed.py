@@ -205,6 +205,23 @@ def test_a_bed_between_plates_by_two_models(tmp_path):
         assert taken == pytest.approx(rise, rel=1e-2)
 
 
+def test_means_of_a_round_bed_are_those_of_its_volume():
+    """The particles gained the heat of the hot wall, to 2e-3 of it: gas, whose share of
+    the capacity is 4e-4, counts with them, and the balance of the run; the mean along
+    the axis is 26 K lower.
+    """
+    mesh = {"type": "axisymmetric", "radius": 0.02, "length": 0.005, "cells": [20, 2]}
+    round_bed = BETWEEN_PLATES.replace("boundary.left", "boundary.wall")
+    text = round_bed.replace(
+        '[boundary.right]\ntype = "wall"\ntemperature = 293.15', ""
+    )
+    found = cb.run(loads(text, overrides={"model": "packed_bed", "mesh": mesh})).qoi
+    capacity = (0.6 * 2500.0 * 840.0 + 0.4 * 1.1 * 1006.0) * np.pi * 0.02**2 * 0.005
+    rise = found["heat_wall_W"] * 120.0 / capacity
+    assert found["T_solid_mean_K"] == pytest.approx(293.15 + rise, abs=2e-3 * rise)
+    assert found["T_fluid_mean_K"] == pytest.approx(found["T_solid_mean_K"], abs=0.01)
+
+
 def test_a_wall_acts_on_the_phase_that_conducts():
     """The gas of the packed bed conducts nothing, which is no reason to warn; that
     nothing conducts is.

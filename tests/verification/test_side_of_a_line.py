@@ -46,6 +46,22 @@ boundary.{table} = {{ coefficient = 10, ambient = 300 }}
     assert_closed(found, 1e-11, "energy")
 
 
+def test_a_side_that_gas_passed_earlier_is_no_wall():
+    """Gas enters until 60 s and rests to the end at 120 s: what it brought is no heat
+    of a wall.
+    """
+    text = f"""{BED}
+boundary.left.gas = {{ velocity = {{ times = [0, 59, 60, 120], values = [0.2, 0.2, 0, 0] }}, temperature = 400 }}
+boundary.right.type = "outlet"
+boundary.wall = {{ coefficient = 20, ambient = 300 }}
+initial = {{ gas.temperature = 300, solids.s.temperature = 300 }}
+time.end = 120
+"""
+    found = run(loads(text))
+    assert found.qoi["heat_wall_W"] * 120.0 == approx(-found.qoi["heat_lost_J"])
+    assert "heat_left_W" not in found.qoi
+
+
 def test_a_bed_at_rest_is_a_fin():
     """cosh(m (L - x))/cosh(m L) with m^2 = 4 h/(D K), to the tolerance of the cells;
     the heat of the base is K m tanh(m L) dT.
