@@ -30,6 +30,8 @@ INERT_CAPACITY = 1.0
 # coefficients after which F, the constant of the enthalpy, follows
 FORMATION_SHOMATE = 5
 
+MELTED = 400.0  # [K]; what melts below reacts in beds that are hotter
+
 # two capitals that may be one element, as in NIO
 PAIR = re.compile("[A-Z][IU]")
 
@@ -53,20 +55,23 @@ class Species:
 
 
 def condensed_names() -> tuple[str, ...]:
-    """Return names of solids that Cantera's tables hold."""
+    """Return names of solids that Cantera's tables hold and that do not melt below
+    MELTED: H2O, Hg or S is a solid of a bed only where the scene says so.
+    """
     try:
-        return tuple(_condensed())
+        return tuple(_condensed(MELTED))
     except ImportError:
         return ()
 
 
-def _condensed() -> dict[str, Any]:
-    """Return the solids of Cantera's tables by formula; the form that is stable at
-    the lowest temperature.
+def _condensed(melted: float = 0.0) -> dict[str, Any]:
+    """Return the solids of Cantera's tables by formula, those left out that melt below
+    a temperature [K]; the form that is stable at the lowest temperature.
     """
     import cantera
 
     out: dict[str, Any] = {}
+    last: dict[str, float] = {}
     for item in cantera.Species.list_from_file("nasa_condensed.yaml"):
         name = (
             item.name.split("(")[0]
@@ -75,7 +80,8 @@ def _condensed() -> dict[str, Any]:
         )
         if name not in out or item.thermo.min_temp < out[name].thermo.min_temp:
             out[name] = item
-    return out
+        last[name] = max(last.get(name, 0.0), item.thermo.max_temp)
+    return {name: item for name, item in out.items() if last[name] > melted}
 
 
 def in_other_case(name: str, known: Iterable[str]) -> str:

@@ -47,6 +47,16 @@ def closure_keys() -> dict[str, str]:
     return found
 
 
+def kinds_by_model(key: str) -> dict[str, str]:
+    """Return the kind of closure that a key takes in each model that has it."""
+    return {
+        name: kind
+        for name, model in MODELS.items()
+        for path, kind in _kinds_below(model.scene)
+        if ".".join(path) == key
+    }
+
+
 @cache
 def _kinds_below(scene: Any) -> list[tuple[tuple[str, ...], str]]:
     """Return the keys of a kind of scenes that take closures, and the kind of each."""

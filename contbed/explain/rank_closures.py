@@ -15,7 +15,7 @@ from contbed.closures import registry
 from contbed.closures.arguments import ARGUMENTS
 from contbed.closures.sheet import Interval
 from contbed.errors import SceneError
-from contbed.explain.closure_keys import closure_keys
+from contbed.explain.closure_keys import closure_keys, kinds_by_model
 from contbed.scene.names import nearest
 
 GRAVITY = 9.81  # [m/s2]
@@ -170,12 +170,16 @@ def kind_for(place: str) -> str:
     if place in kinds:
         return place
     known = closure_keys()
-    pattern = re.sub(r"^(solids|boundary|region)\.[^.]+", r"\1.NAME", place)
-    if pattern in known:
+    if (pattern := _pattern(place)) in known:
         return known[pattern]
     raise SceneError(
         f"--for: no place {place!r} takes a closure; {nearest(place, [*known, *kinds])}"
     )
+
+
+def _pattern(place: str) -> str:
+    """Return a key with NAME for the name of a table."""
+    return re.sub(r"^(solids|boundary|region)\.[^.]+", r"\1.NAME", place)
 
 
 def fluidized(known: Mapping[str, float]) -> dict[str, tuple[float, float]]:
@@ -224,6 +228,11 @@ def table(place: str, at: str | None) -> str:
     known, remark = derived(given)
     unit = registry.sheet(registry.names(kind)[0]).unit
     lines = [f"closures of kind {kind} [{unit}], the best covered first"]
+    lines += [
+        f"{model} takes those of kind {other}: contbed closures --for {other}"
+        for model, other in kinds_by_model(_pattern(place)).items()
+        if other != kind
+    ]
     shown = {name: f"{name} = {value:.4g}" for name, value in known.items()}
     follows = [text for name, text in shown.items() if name not in given]
     if given:

@@ -22,7 +22,7 @@ from contbed.explain.catalogue import (
     schemas,
     text_of_law,
 )
-from contbed.explain.closure_keys import closure_keys
+from contbed.explain.closure_keys import closure_keys, kinds_by_model
 from contbed.explain.terms import TERMS
 from contbed.models import MODELS
 from contbed.scene import schema
@@ -135,7 +135,9 @@ def _kind_sheets(name: str) -> Iterator[str]:
             f"    {closure:44} {registry.sheet(closure).summary}"
             for closure in closures.names(name)
         ]
-        named = [place for place, kind in closure_keys().items() if kind == name]
+        named = [
+            place for place in closure_keys() if name in kinds_by_model(place).values()
+        ]
         lines += [f"    named by {', '.join(named)}"] if named else []
         yield "\n".join(lines)
 
@@ -148,10 +150,10 @@ def _key_sheets(name: str) -> Iterator[str]:
         lines = [*schema.sheet(name, node)]
         if len(scenes) < len(MODELS):
             lines.insert(0, f"in scenes of kind {', '.join(scenes)}:")
-        if kind := closure_keys().get(name):
+        if kind := kinds_by_model(name).get(scenes[0]):
             lines.append(
                 f"    `contbed explain {kind}` shows the closures, `contbed closures "
-                f"--for {name}` ranks them"
+                f"--for {kind}` ranks them"
             )
         yield "\n".join(lines)
 

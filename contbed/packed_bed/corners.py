@@ -64,19 +64,21 @@ def prescribed_temperatures_agree_in_corners(
         "fluid": closures.conductivity_gas,
         "solid": closures.conductivity_solids,
     }
+    found: dict[tuple[tuple[str, ...], str, str, tuple[float, float]], list[str]] = {}
     for phase, conductivity in conductivities.items():
         if conductivity == 0.0:
             continue
         for (name, _), (other, _) in adjacent_sides(mesh):
             unlike = unlike_temperatures(boundary, phase, name, other)
             if unlike is not None:
-                yield (
-                    key_of(boundary, other, phase, "fixed_temperature"),
-                    f"{unlike[1]:g} K meets {unlike[0]:g} K of boundary.{name} in a "
-                    f"corner, where heat_{name}_W and "
-                    f"heat_{other}_W grow without limit as cells get smaller, and "
-                    f"T_{phase} has no value; the "
-                    "estimated error counts there by the distance only. For a heat "
-                    "that means something give one of "
-                    "both sides a coefficient and ambient, or equal temperatures",
-                )
+                key = key_of(boundary, other, phase, "fixed_temperature")
+                found.setdefault((key, name, other, unlike), []).append(f"T_{phase}")
+    for (key, name, other, (there, here)), fields in found.items():
+        yield (
+            key,
+            f"{here:g} K meets {there:g} K of boundary.{name} in a corner, where "
+            f"heat_{name}_W and heat_{other}_W grow without limit as cells get smaller, "
+            f"and there is no value of {' and '.join(fields)}; the estimated error "
+            "counts there by the distance only. For a heat that means something give "
+            "one of both sides a coefficient and ambient, or equal temperatures",
+        )

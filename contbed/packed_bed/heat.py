@@ -248,7 +248,9 @@ class HeatProblem:
                         key = key_of(
                             self.scene.boundary, name, phase, "fixed_temperature"
                         )
-                        why = f"the {phase} neither conducts nor enters there"
+                        of_bed = self.scene.boundary[name].temperature is not None
+                        what = "bed" if of_bed else phase
+                        why = f"the {what} neither conducts nor enters there"
                         self.idle.append(f"{dotted(key)} has no effect: {why}")
         every = np.concatenate(
             [np.empty(0, dtype=np.int64), *(nodes for nodes, *_ in found)]

@@ -53,7 +53,8 @@ def heat_problem(
 
     with result.timed("heat setup"):
         problem = HeatProblem(plan, flow, interval, system)
-    result.warnings += [text for text in problem.idle if text not in result.warnings]
+    told = dict.fromkeys(problem.idle)
+    result.warnings += [text for text in told if text not in result.warnings]
     return problem
 
 

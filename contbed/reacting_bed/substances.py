@@ -8,6 +8,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+from contbed.chemistry.elements import elements_of
 from contbed.chemistry.laws import species_named
 from contbed.chemistry.mixture import GasTransport, Mechanism, dippr102, fuller_pair
 from contbed.chemistry.species import (
@@ -197,11 +198,23 @@ def _unknown(name: str, there: list[str], mechanism: Mechanism | None) -> str:
     where = "the mechanism or [gas.species]" if mechanism else "[gas.species]"
     text = f"{name} is neither a gas of {where} nor a constituent of the solids"
     if other := in_other_case(name, there):
-        return f"{text}; write {other}"
+        if not _has_other_atoms(name, other):
+            return f"{text}; write {other}"
+        there = [each for each in there if each != other]
     return (
         f"{text}{nearest(name, there)}; give its "
         f"thermodynamics in [gas.species.{name}] or [solids.NAME.constituent.{name}]"
     )
+
+
+def _has_other_atoms(name: str, other: str) -> bool:
+    """Return whether a name is a formula of its own, as CO beside Co."""
+    try:
+        found = elements_of(name)
+    except SceneError:
+        return False
+    # NIO is seldom meant with iodine, see `atoms_of`
+    return not {"I", "U"} & found.keys() and found != elements_of(other)
 
 
 def _gases_of_file(scene: s.ReactingScene) -> dict[str, str]:

@@ -14,6 +14,7 @@ from contbed.explain.rank_closures import (
     fluidized,
     kind_for,
     ranked,
+    table,
 )
 from contbed.explain.sheets import entries, explain
 from contbed.reacting_bed.closures import places_of
@@ -89,6 +90,8 @@ def test_a_ratio_of_spans_is_as_wide_as_it_can_be():
 def test_kind_of_a_place():
     assert kind_for("solids.sand.nusselt") == "nusselt"
     assert kind_for("drag") == "drag"
+    text = table("boundary.left.coefficient", None)
+    assert "two_fluid takes those of kind bed_tube" in text and "wall_" in text
     refused(r"closures\.drag", kind_for, "closures.darg")
 
 

@@ -83,6 +83,39 @@ def test_a_name_in_other_letters_leads_to_that_of_the_mechanism():
     refused(r"n2 is neither a gas .*; write N2$", models.plan, scene)
 
 
+OXIDE = """
+model = "packed_bed"
+mesh = { type = "line", length = 0.1, cells = 4 }
+solids.oxide = { diameter = 0.003, density = 3000, composition = "CuO:0.2, Co:0.8" }
+packed_bed.porosity = 0.4
+boundary.left.gas = { mass_flux = 0.2, temperature = 900 }
+time.end = 60
+
+[gas]
+model = "ideal_gas"
+composition = "H2:0.2, N2:0.8"
+species = { H2 = {}, N2 = {} }
+viscosity = 3e-5
+
+[reactions.reduction]
+equation = "CuO + H2 -> Cu + H2O"
+rate = "k*n_CuO"
+parameters.k = 1e-3
+"""
+
+
+def test_gases_that_are_not_declared_are_no_solids():
+    """Steam of a bed at 900 K is no ice; carbon monoxide is no cobalt; copper, which
+    is not declared either, is a solid of Cantera's tables.
+    """
+    way = r"in \[gas\.species\.{0}\] or \[solids\.NAME\.constituent\.{0}\]$"
+    refused(way.format("H2O"), models.plan, loads(OXIDE))
+    carbon = OXIDE.replace("H2 -> Cu + H2O", "CO -> Cu + CO2")
+    carbon = carbon.replace("N2 = {}", "N2 = {}, CO2 = {}")
+    refused(way.format("CO"), models.plan, loads(carbon))
+    models.plan(loads(OXIDE.replace("N2 = {}", "N2 = {}, H2O = {}")))
+
+
 def test_every_element_is_known():
     """Those that have a standard atomic weight, which Cantera has as well."""
     weights = {}

@@ -205,6 +205,12 @@ def test_a_corner_of_unlike_temperatures_is_told():
         "corner" in text
     )
     assert "heat_left_W and heat_bottom_W" in text
+    both = scene_of(
+        'left = { type = "wall", temperature = 300.0 }',
+        {"bottom": {"type": "wall", "temperature": 500.0}},
+    )
+    found = [text for text in plane(boundary=both).warnings if "in a corner" in text]
+    assert len(found) == 1 and "no value of T_fluid and T_solid" in found[0]
     same = unlike | {
         "left": {
             "gas": {"velocity": 0.05, "temperature": 300.0},
