@@ -5,6 +5,7 @@
 
 `load` reads and checks a scene, `plan` says what will be built, `run` solves it and
 returns a `Result`; `gradient` returns derivatives of results with respect to keys.
+Their errors, SceneError and others, are kinds of `ContbedError`.
 Everything heavy is imported when it is first used.
 """
 
@@ -15,9 +16,33 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from contbed.compiled.cache import choose_cache
+from contbed.errors import (
+    BalanceError,
+    ClosureRangeError,
+    ContbedError,
+    ConvergenceError,
+    EngineError,
+    SceneError,
+    UnlikeError,
+)
 
 __version__ = "0.2.0"
-__all__ = ["Plan", "Result", "Scene", "gradient", "load", "plan", "run"]
+__all__ = [
+    "BalanceError",
+    "ClosureRangeError",
+    "ContbedError",
+    "ConvergenceError",
+    "EngineError",
+    "Plan",
+    "Result",
+    "Scene",
+    "SceneError",
+    "UnlikeError",
+    "gradient",
+    "load",
+    "plan",
+    "run",
+]
 
 _HOMES = {
     "Scene": "packed_bed.scene",

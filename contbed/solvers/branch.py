@@ -87,7 +87,7 @@ class Branch:
                 f"the branch ends at {parameter} = {self.parameter[-1]:.6g} after "
                 f"{len(self.parameter)} points; raise continuation.points"
             )
-        elif self.parameter[-1] == self.parameter[0]:
+        elif len(self.parameter) > 1 and self.parameter[-1] == self.parameter[0]:
             result.warnings.append(
                 "the branch turns back and leaves the range where it began, at "
                 f"{parameter} = {self.parameter[0]:.6g}; states that need values beyond "
@@ -178,16 +178,21 @@ class _Continuation:
         raise ConvergenceError(f"branch: a step of {s:.2g} does not converge", [], x)
 
     def where(
-        self, value: Callable[[_Point], float], a: _Point, length: float
-    ) -> _Point:
-        """Return the point between `a` and the one `length` further where a value that
-        changes its sign is 0.
+        self,
+        value: Callable[[_Point], float],
+        a: _Point,
+        length: float,
+        after: float = 0.0,
+    ) -> tuple[float, _Point]:
+        """Return distance and point between those `after` and `length` beyond `a` where
+        a value that changes its sign is 0.
         """
 
         def at(s: float) -> float:
             return value(self.step(a, s)[0] if s > 0.0 else a)
 
-        return self.step(a, brentq(at, 0.0, length, xtol=FOLD_TOLERANCE))[0]
+        s = float(brentq(at, after, length, xtol=FOLD_TOLERANCE))
+        return s, self.step(a, s)[0]
 
 
 @dataclass(frozen=True)
@@ -236,15 +241,18 @@ def trace(
         except ConvergenceError:
             s *= 0.25
             continue
+        turned = 0.0
         if found.tangent[1] * point.tangent[1] < 0:
-            turn = continuation.where(_rise, point, s)
+            turned, turn = continuation.where(_rise, point, s)
             out.folds.append((len(out.parameter), turn.p, turn.x))
             if way.first_fold:
                 out.complete = True
                 break
         if not low <= found.p <= high:
             edge = low if found.p < low else high
-            last = continuation.where(partial(_beyond, edge), point, s)
+            # a branch that turns in its first step begins on the edge that it returns to
+            after = turned if point.p == edge else 0.0
+            _, last = continuation.where(partial(_beyond, edge), point, s, after)
             found = replace(last, p=edge)
             out.complete = True
         out.parameter.append(found.p)

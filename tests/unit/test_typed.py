@@ -15,12 +15,13 @@ def test_py_typed_is_in_the_package_and_in_the_wheel():
 
 
 def test_the_package_shows_what_users_need():
-    """`dir(contbed)` has the functions and classes of the README, and nothing of how
+    """`dir(contbed)` has the functions and classes of the README, all errors, and nothing of how
     they are found.
     """
     import contbed
 
-    assert set(dir(contbed)) == {
+    errors = {name for name in vars(contbed.errors) if name.endswith("Error")}
+    assert set(dir(contbed)) == errors | {
         "Plan",
         "Result",
         "Scene",
