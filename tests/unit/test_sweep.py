@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.special import ndtr
 
 from contbed import cli
-from contbed.errors import ContbedError, ConvergenceError
+from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.many import quantities, value_sets
 from contbed.many.sweep.plots import _Axis, _is_plane, _means
 from contbed.many.sweep.study import read_study
@@ -226,7 +226,11 @@ def test_parts_are_combined_and_zipped_ones_go_in_step(folder):
         "closures.permeability",
         "packed_bed.porosity",
     )
-    assert study.parameters == (*study.axes[:3], "gas.viscosity", *study.axes[3:])
+    assert tuple(study.parameters) == (
+        *study.axes[:3],
+        "gas.viscosity",
+        *study.axes[3:],
+    )
     assert study.logarithmic == {"closures.permeability"}
     for case in study.cases:
         assert case.scene.gas.viscosity == case.parameters["gas.viscosity"]
@@ -424,6 +428,23 @@ def test_a_crash_in_one_run_does_not_lose_the_others(folder, runner):
         *["ZeroDivisionError: a; b"] * 2,
     ]
     assert [row["exit code"] for row in rows(folder)] == ["0", "0", "1", "1"]
+
+
+def test_a_value_that_a_run_refuses_is_blamed_on_its_line(folder, runner):
+    text = "boundary.left.gas.velocity = 0.2: too fast"
+    runner.error = lambda scene: (
+        SceneError(f"override: {text}")
+        if scene.boundary["left"].gas.velocity > 0.15
+        else None
+    )
+    assert sweep("--quiet") == 3
+    lines = (folder / "study.toml").read_text().splitlines()
+    (line,) = (k for k, each in enumerate(lines, 1) if "gas.velocity" in each)
+    assert [row["problem"] for row in rows(folder)] == [
+        "",
+        "",
+        *[f"study.toml:{line}: {text}"] * 2,
+    ]
 
 
 def test_a_full_disk_stops_the_sweep_and_is_no_fault_of_the_scene(

@@ -109,11 +109,11 @@ class Sample:
 class Study:
     """The runs of a study file.
 
-    `axes` are the parameters that vary by themselves, among them the first of
-    each [[zipped]] table; `logarithmic` are those with even ratios; `qoi_at` is where
-    the file says what to plot. `order` are the names of the cases of all combinations,
-    in which one that is the same scene as another stands again; `base` loads the scene
-    of other values.
+    `parameters` are all that vary, with the place "file:line" of each; `axes` those
+    that vary by themselves, among them the first of each [[zipped]] table;
+    `logarithmic` are those with even ratios; `qoi_at` is where the file says what to
+    plot. `order` are the names of the cases of all combinations, in which one that is
+    the same scene as another stands again; `base` loads the scene of other values.
     """
 
     file: Path
@@ -122,7 +122,7 @@ class Study:
     qoi: tuple[str, ...]
     qoi_at: str
     logarithmic: frozenset[str]
-    parameters: tuple[str, ...]
+    parameters: Mapping[str, str]
     axes: tuple[str, ...]
     warnings: tuple[str, ...]
     order: tuple[str, ...]
@@ -163,7 +163,7 @@ def read_study(
         qoi=settings.qoi,
         qoi_at=origin.at(("qoi",)),
         logarithmic=frozenset(reader.logarithmic),
-        parameters=tuple(reader.places),
+        parameters=reader.places,
         axes=tuple(name for name in reader.places if name not in reader.followers),
         warnings=tuple(reader.warnings),
         order=order,

@@ -16,6 +16,7 @@ from pathlib import Path
 from contbed.errors import SceneError
 from contbed.many.runs import compute, give_up, is_begun, is_damaged, known
 from contbed.many.store import Content, locked
+from contbed.many.study_file import relocated
 from contbed.many.sweep import table
 from contbed.many.sweep.study import Study, read_study
 from contbed.many.sweep.table import Row
@@ -128,7 +129,7 @@ def sweep(
                 case.parameters,
                 found["qoi"],
                 found["exit_code"],
-                found["problem"],
+                relocated(found["problem"], todo.parameters)[1],
             )
             for case, found in ended
             if found is not None
