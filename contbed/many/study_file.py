@@ -13,10 +13,9 @@ from contbed.explain.sheets import unit
 from contbed.scene.refusals import mistakes_of, table_of
 from contbed.scene.toml_lines import KeyPath, dotted, one_line, parse_key, read
 from contbed.scene.units import exponents, number_and_unit, unit_with
-from contbed.scene.values import flat, value_at
+from contbed.scene.values import PARAMETERS, flat, value_at
 
 _Table = TypeVar("_Table", bound=BaseModel)
-PARAMETERS = "parameters"  # table of the constants of a formula
 # takes the path below an entry, and what is wrong there
 Say = Callable[[KeyPath, str], None]
 

@@ -14,6 +14,7 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.inlets import key_of
 from contbed.scene.checking import Mistakes
 from contbed.scene.mesh import Mesh, MeshFile, MeshLine
+from contbed.scene.toml_lines import KeyPath
 
 Side = tuple[int, float]  # direction and coordinate [m] of a side of a built-in mesh
 
@@ -64,7 +65,7 @@ def prescribed_temperatures_agree_in_corners(
         "fluid": closures.conductivity_gas,
         "solid": closures.conductivity_solids,
     }
-    found: dict[tuple[tuple[str, ...], str, str, tuple[float, float]], list[str]] = {}
+    found: dict[tuple[KeyPath, str, str, tuple[float, float]], list[str]] = {}
     for phase, conductivity in conductivities.items():
         if conductivity == 0.0:
             continue

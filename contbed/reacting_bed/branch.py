@@ -18,7 +18,7 @@ from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.results import at_end, ends, state_at_ends
 from contbed.result import Result
 from contbed.scene.toml_lines import parse_key
-from contbed.scene.values import value_at, with_value
+from contbed.scene.values import number_at, with_value
 from contbed.solvers.branch import Branch, Way, trace
 from contbed.solvers.linear import Policy
 
@@ -98,7 +98,8 @@ def _traced(problem: Problem, u: Array) -> tuple[Family, Branch]:
     table = problem.scene.continuation
     assert table is not None
     family = Family(problem, table.parameter)
-    start = float(value_at(problem.scene, table.parameter))
+    start = number_at(problem.scene, table.parameter)
+    assert start is not None  # `checks` sees to it
 
     weights = np.broadcast_to(1.0 / problem.sizes[:, None, None], u.shape).ravel()
     branch = trace(

@@ -11,7 +11,8 @@ from contbed.scene import schema
 from contbed.scene.checking import Mistakes
 from contbed.scene.quantities import Number, Table, Whole
 from contbed.scene.toml_lines import parse_key
-from contbed.scene.values import value_at
+from contbed.scene.units import exponents, number_and_unit, unit_with
+from contbed.scene.values import PARAMETERS, number_at, value_at
 
 
 class Continuation(Table):
@@ -28,8 +29,12 @@ class Continuation(Table):
 
     def header(self, scene: Any) -> str:
         """Return the header of the column of the parameter: its key and unit."""
-        unit = schema.unit(schema.of(scene.__class__), parse_key(self.parameter)) or "1"
-        return f"{self.parameter} [{unit}]"
+        path, given = parse_key(self.parameter), value_at(scene, self.parameter)
+        if isinstance(given, str) and PARAMETERS in path[:-1]:
+            unit: str | None = unit_with(exponents(number_and_unit(given)[1]))
+        else:
+            unit = schema.unit(schema.of(scene.__class__), path)
+        return f"{self.parameter} [{unit or 1}]"
 
 
 def parameter_varies(
@@ -38,8 +43,8 @@ def parameter_varies(
     """Check that the parameter of a continuation is a number of these tables that may
     vary; `fixed` says that it may not.
     """
-    found = value_at(tables, continuation.parameter)
-    if not isinstance(found, float) or fixed:
+    found = number_at(tables, continuation.parameter)
+    if found is None or fixed:
         yield (
             ("continuation", "parameter"),
             "no number of this scene can be varied under this key; allowed: keys such "

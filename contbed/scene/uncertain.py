@@ -15,7 +15,7 @@ from typing import Any
 
 from contbed.errors import SceneError
 from contbed.scene.toml_lines import Origin, parse_key
-from contbed.scene.values import flat, value_at
+from contbed.scene.values import flat, number_at
 
 _PERCENT = re.compile(r"\s*([0-9.eE+-]+)\s*%\s*")
 
@@ -40,8 +40,8 @@ def uncertain_numbers(
     for path, given in flat(table):
         key = ".".join(path)
         where = f"{origin.at(('uncertain', *parse_key(key)))}: uncertain.{key}"
-        value = value_at(scene, key)
-        if isinstance(value, bool) or not isinstance(value, int | float):
+        value = number_at(scene, key)
+        if value is None:
             raise SceneError(f"{where}: the scene has no number under this key")
         share = share_of(given)
         number = (
@@ -55,6 +55,6 @@ def uncertain_numbers(
             )
         yield (
             key,
-            float(value),
+            value,
             share * abs(value) if share is not None else float(given),
         )

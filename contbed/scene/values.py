@@ -3,15 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import KeyPath, parse_key
+from contbed.scene.units import base_value
+
+PARAMETERS = "parameters"  # table of the constants of a formula
 
 
 def value_at(scene: Any, key: str) -> Any:
     """Return the value of a dotted key; None where there is none."""
     return at(scene, parse_key(key))
+
+
+def number_at(scene: Any, key: str) -> float | None:
+    """Return the number of a dotted key, in SI that of a constant of a formula which is
+    written with a unit, "360 1/h"; None where there is none.
+    """
+    path, found = parse_key(key), value_at(scene, key)
+    if isinstance(found, str) and PARAMETERS in path[:-1]:
+        with suppress(ValueError):  # reported where formulas are checked
+            return base_value(found)
+    number = isinstance(found, int | float) and not isinstance(found, bool)
+    return float(found) if number else None
 
 
 def at(part: Any, path: KeyPath) -> Any:

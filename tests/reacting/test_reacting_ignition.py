@@ -4,12 +4,14 @@ by collocation.
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from pytest import approx
 from reacting_bed_scenes import ignition, table
 
 import contbed
-from contbed.loading import from_dict
+from contbed.loading import from_dict, loads
+from contbed.scene.uncertain import uncertain_numbers
 from tests.scene_text import set_keys
 
 ROWS = table("ignition_adiabatic_bed")
@@ -139,3 +141,34 @@ def test_a_branch_that_does_not_reach_the_value_of_its_states_says_so():
     assert "states" not in result.tables
     (text,) = [each for each in result.warnings if "continuation.at" in each]
     assert text.endswith("reactions.r.factor goes from 0.01 to 0.02")
+
+
+def test_a_branch_over_a_constant_with_a_unit():
+    """A first-order decay in plug flow, k = 360 1/h up to 1 1/s: at the end
+    exp(-k L/u) of the gas is left, to the tolerance of the cells.
+    """
+    scene = loads("""
+model = "packed_bed"
+mesh = { type = "line", length = 1.0 }
+reactions.decay = { equation = "A -> B", rate = "k*c_A", basis = "bed", parameters = { k = "360 1/h" } }
+solids.catalyst.diameter = 0.003
+packed_bed = { porosity = 0.4, pressure_drop = "none" }
+boundary.left.gas = { velocity = 0.5, temperature = 500 }
+continuation = { parameter = "reactions.decay.parameters.k", to = 1.0 }
+
+[gas]
+model = "ideal_gas"
+composition = "A:0.1, N2:0.9"
+species = { A.elements.C = 1, B.elements.C = 1, N2 = {} }
+viscosity = 3e-5
+""")
+    found = contbed.run(scene)
+    branch = found.tables["continuation"]
+    k = branch["reactions.decay.parameters.k [1/s]"]
+    assert k[[0, -1]] == approx([0.1, 1.0])
+    left = branch["x_A_out [1]"] / 0.1
+    assert left == approx(np.exp(-k / 0.5), rel=1e-3)
+    values = list(
+        uncertain_numbers({"reactions.decay.parameters.k": "5 %"}, scene, scene.origin)
+    )
+    assert values == [("reactions.decay.parameters.k", approx(0.1), approx(0.005))]
