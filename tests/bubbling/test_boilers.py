@@ -13,15 +13,32 @@ from contbed.loading import from_dict
 from tests.scene_text import set_keys
 
 
-@pytest.fixture(scope="module")
-def boiler():
-    """A combustor whose fuel is fed at the temperature of its heating value."""
+def run(composition=None):
+    """Results of a combustor whose fuel is fed at the temperature of its heating
+    value.
+    """
     scene = tables(initial={"temperature": 1150.0})
     set_keys(scene, "solids.char.feed.temperature = 298.15")
+    if composition:
+        scene["gas"]["composition"] = composition
     return cb.run(from_dict(scene)).qoi
 
 
-def test_the_indirect_efficiency_is_what_surfaces_take(boiler):
+@pytest.fixture(scope="module")
+def boiler():
+    return run()
+
+
+@pytest.mark.parametrize("composition", [None, "O2:0.21, N2:0.75, H2:0.04"])
+def test_the_indirect_efficiency_is_what_surfaces_take(boiler, composition):
+    """The gas may be fuel as well, which takes half its moles of oxygen."""
+    if composition:
+        oxygen, boiler = boiler["oxygen_ratio"], run(composition)
+        lost = (
+            0.04 / 0.21 * 0.5
+        )  # of hydrogen, per oxygen; air has 28.75, this 27.81 g/mol
+        without = oxygen * 28.75 / 27.81
+        assert boiler["oxygen_ratio"] == approx(1.0 / (1.0 / without + lost), rel=1e-3)
     taken = sum(
         heat
         for name, heat in boiler.items()

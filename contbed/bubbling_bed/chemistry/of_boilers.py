@@ -1,6 +1,7 @@
 """Results of boilers: efficiency by indirect losses, and emissions.
 
-Losses are shares of the lower heating value of the dry fuel that is fed, at 298.15 K:
+Losses are shares of the lower heating value, at 298.15 K, of the dry fuel that is fed
+and of the gas that enters:
 
     efficiency = share burnt - heat of the flue gas - heat of the solids drained
 

@@ -140,6 +140,7 @@ def heating_value(fuel: Thermo) -> float:
 
 
 FUELS = ("CO", "H2", "CH4", "C6H6", "H2S")
+BURNS = {"C": 1.0, "H": 0.25, "S": 1.0, "O": -0.5}  # O2 per atom
 
 
 def _fuel(
@@ -150,7 +151,6 @@ def _fuel(
     """
     data, inside = chemistry.data, contents(chemistry)
     assert data is not None
-    power = data.rate * data.lower
     carbon = sum(
         drained[name] * inside[name].get("C", 0.0)
         for name in ("char", "volatiles")
@@ -159,11 +159,18 @@ def _fuel(
     qoi["carbon_conversion"] = 1.0 - carbon / data.elements["C"]
     gases, coke = chemistry.part.gases, heating_value(thermo.table()["C"])
     burning = [name for name in (*FUELS, *gases) if name in gases]
-    gas = {
-        name: leaving[name] * heating_value(gases[name])
+    values = {
+        name: heating_value(gases[name])
         for name in dict.fromkeys(burning)
         if name in FUELS or name not in thermo.GASES
     }
+    gas = {name: leaving[name] * value for name, value in values.items()}
+    # gas that enters may be fuel as well
+    power, needed = data.rate * data.lower, data.oxygen
+    for name, value in values.items():
+        atoms, amount = inside[name], entering.get(name, 0.0)
+        power += amount * value
+        needed += amount * sum(n * atoms.get(key, 0.0) for key, n in BURNS.items())
     solids = {"char": drained.get("char", 0.0) * coke}
     per_kg = 0.0
     if data.volatiles is not None:
@@ -174,7 +181,7 @@ def _fuel(
     in_gas, unburnt = sum(gas.values()), sum(solids.values())
     qoi["fuel_power_W"] = power
     qoi["cold_gas_efficiency"] = in_gas / power
-    oxygen = qoi["oxygen_ratio"] = entering.get("O2", 0.0) / data.oxygen
+    oxygen = qoi["oxygen_ratio"] = entering.get("O2", 0.0) / needed
     burnt = 1.0 - (in_gas + unburnt) / power
     sulphur = data.elements["S"]
     if sulphur > 0 and "CaSO4" in drained:
