@@ -36,7 +36,10 @@ def of_output(time: Times, interval: float) -> Mistakes:
             text = f"longer than the run of {time.end:g} s: written at its end"
             yield ("time", key), text
     if time.fields is not None and time.fields < interval * (1.0 - ROUNDING):
-        text = f"fields are written at rows, {interval:g} s apart; see time.sample"
+        kept = "" if time.sample else " unless a restart keeps those of its run"
+        text = (
+            f"fields are written at rows, {interval:g} s apart{kept}; see time.sample"
+        )
         yield ("time", "fields"), text
 
 

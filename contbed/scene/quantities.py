@@ -193,7 +193,10 @@ def _listed(value: Any) -> Any:
 
 
 # coordinates, of which one may stand alone
-Across = Annotated[tuple[Position, ...], BeforeValidator(_listed)]
+Across = Annotated[
+    tuple[Position, ...],
+    BeforeValidator(_listed, json_schema_input_type=Position | tuple[Position, ...]),
+]
 Length = Annotated[Position, Field(gt=0)]
 Permeability = Annotated[float, *unit("m**2"), Field(gt=0)]
 Temperature = Annotated[float, *unit("K"), Field(gt=0)]

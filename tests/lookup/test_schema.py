@@ -62,6 +62,18 @@ def test_mistakes_are_found(validators, old, new):
     assert not validators["packed_bed"].is_valid(tomllib.loads(text.replace(old, new)))
 
 
+def test_one_coordinate_may_stand_alone(validators):
+    scene = tomllib.loads(editor.template("packed_bed"))
+    for across, valid in (
+        (0.02, True),
+        ("2 cm", True),
+        ([0.02, 0.01], True),
+        ({}, False),
+    ):
+        output = scene.get("output", {}) | {"across": across}
+        assert validators["packed_bed"].is_valid(scene | {"output": output}) == valid
+
+
 def test_descriptions_say_the_unit_and_closures_are_offered():
     found = editor.json_schema("packed_bed")["$defs"]
     assert (
