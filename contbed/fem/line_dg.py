@@ -132,6 +132,11 @@ class Line:
         return self.basis(np.linspace(0.0, 1.0, 13))
 
     @cached_property
+    def finely_sampled(self) -> Array:
+        """Values of the polynomials at 129 points, ends included, (129, p + 1)."""
+        return self.basis(np.linspace(0.0, 1.0, 129))
+
+    @cached_property
     def slopes(self) -> Array:
         """Derivatives of the polynomials at the nodes, (node, polynomial)."""
         n = self.degree + 1

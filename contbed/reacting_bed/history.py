@@ -25,6 +25,8 @@ class BedHistory(History):
     passed : (m, 2) integrals of the fluxes through both ends, along x
     both_ways : (m, 2) integrals of their magnitudes, which a flow that turns does not
         cancel
+    stage : state at the first stage of the last step, (unknowns, N, p + 1); None at the
+        start and on other cells
     damping : (unknowns, N) with which the next step begins, see `positivity_in_time`; damped :
         (N,) cells that were damped
     steps_damped, steps_limited : steps in which cells were damped, and in which rates
@@ -53,6 +55,7 @@ class BedHistory(History):
     damped: Flags
     vertices: Array
     pressure: Array | None = None
+    stage: Array | None = None
     carried: float = 0.0
     steps_damped: int = 0
     steps_limited: int = 0

@@ -15,8 +15,8 @@ from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.scene import ReactingScene
 
-FINE = 129  # points of a cell at which what is shown is looked at
-# of a deviation from the mean that is seen at these points, the largest between them
+# of a deviation from the mean that is seen at the points of `Line.finely_sampled`, the
+# largest between them
 MISSED = 1.002
 
 
@@ -98,7 +98,7 @@ def share_above_zero(line: Line, values: Array, least: Array) -> Array:
 
     1 where they are not below zero by more than `least` (...,).
     """
-    low = (values @ line.basis(np.linspace(0.0, 1.0, FINE)).T).min(axis=-1)
+    low = (values @ line.finely_sampled.T).min(axis=-1)
     wrong = low < -least[..., None]
     mean = values @ line.weights
     share = np.clip(mean / np.where(wrong, MISSED * (mean - low), 1.0), 0.0, 1.0)

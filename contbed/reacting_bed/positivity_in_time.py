@@ -18,9 +18,11 @@ shorter, and taken as it is if that does not help.
 Damping stays for the next step. Of solids that move its share of what makes a
 polynomial flat does, which falls as steps grow: else the damping of the first, short
 steps makes cells flat. Where there is room it falls by and by: a jump of it is one of
-the gas that follows at once. Damping of a gas in the pores falls at a rate, so that
-neither the length of steps nor the first of them decides when it ends; the error of a
-step is that with the damping that it needs, of another gas that before damping grows.
+the gas that follows at once. Damping of a gas in the pores falls at a rate, and where
+it is small no faster than that of others in one step: else it comes and goes for ever.
+The error of a step is that before damping grows, or with the damping that it needs
+where this is less: what damping changes is not of time, and does not become smaller
+with the step.
 In damped cells errors are those of the means. They are not less than the square of what
 a step without bounds takes of solids at rest beyond their amount: of order 2 as the
 estimate is.
@@ -57,9 +59,8 @@ Problems = tuple[Problem, Problem]
 TRIALS = 12  # of a step, in each of which dampings grow by up to a factor of ten
 ROOM = 0.05  # of the mean of a cell, least amounts above which its damping falls
 FALL = 0.9  # from one step to the next: jumps of the damping are errors of a step
-# rate at which damping of a gas in the pores falls, times the time that the gas stays in
-# the cell: slower and fronts are wider, at once and it comes and goes for ever, in short
-# steps
+# rate at which damping of a gas in the pores falls at most, times the time that the gas
+# stays in the cell: without a rate the first, short steps end it
 FALL_RATE = 10.0
 # of the damping that makes a polynomial flat, in long steps of a gas in the pores, below
 # which there is none
@@ -123,6 +124,7 @@ def bounded(
     report: solve.Report,
     sizes: Array,
     damping: Array,
+    near: Array | None = None,
     kept: bool = False,
 ) -> Bounded:
     """Return a step from a state, begun with a damping (m, N); for others see `stages`.
@@ -139,7 +141,7 @@ def bounded(
     below, flat = -scene.solver.newton_tolerance, flattening(problems[1], dt)
     rest, least = at_rest(problems[1])[:, None, None], 0.0
     trial = _damped(problems, damping)
-    first, last, error = stages(trial, u, guess, dt, report, sizes)
+    first, last, error = stages(trial, u, guess, dt, report, sizes, near=near)
     look = _Look.at(trial, (first, last))
     if rest.any():
         beyond = np.minimum(along(trial[1], u), 0.0) - look.nodes
@@ -204,7 +206,7 @@ def _within(
             first, last, again = take(trial, ended=ended if ended.any() else None)
         except ConvergenceError:
             break
-        error = again if stored else without
+        error = min(again, without) if stored else without
         found = Bounded(
             trial, (first, last), max(error, least), damping, bool(ended.any()), False
         )
@@ -274,7 +276,9 @@ def _later(
     stays = problem.gas_residence / problem.scene.mesh.length * problem.line.h
     # large damping, that of a front, falls faster: what it leaves to fall is small
     rate = FALL_RATE * (1.0 + FALL_RATE * damping)
-    fall = np.where(stored, 1.0 / (1.0 + rate * dt / stays), FALL)
+    fall = np.maximum(
+        np.where(stored, 1.0 / (1.0 + rate * dt / stays), FALL), FALL / (1.0 + damping)
+    )
     least = problem.scene.solver.newton_tolerance
     room = (look.low > ROOM * look.mean) | (look.mean < least)
     found = np.where(room, fall * damping, damping)

@@ -47,9 +47,8 @@ def values_at(problem: Problem, u: Array, x: Array) -> State:
     """Return the state at positions, means over the section; temperatures and
     pressure as arrays.
     """
-    return problem.bed.state(
-        [problem.line.at(part, x) for part in problem.mean(between_nodes(problem, u))]
-    )
+    mean = problem.mean(between_nodes(problem, u))
+    return problem.bed.state(list(problem.line.at(mean, x)))
 
 
 def profiles(problem: Problem, u: Array) -> dict[str, Array]:

@@ -8,10 +8,10 @@ gamma = 1 - 1/sqrt(2), written for C, so that what is stored is exactly what has
     C(u) = C_n - (1 - gamma) dt R(U1, t + gamma dt) - gamma dt R(u, t + dt)
 
 Both have the same matrix C'/(gamma dt) + R' but for the change of the state: it is
-computed and factorised once for a step and again only where corrections do not fall
-fast. The error of a step is the difference to a method of order 1, filtered by the
-first matrix of the step: whether another is needed may hang on rounding, and the steps
-then as well.
+computed and factorised for a state near that of the first stage, and again only where
+this costs less than the corrections that it saves. The error of a step is the
+difference to a method of order 1, filtered by the first matrix of the step: whether
+another is needed may hang on rounding, and the steps then as well.
 
 Source: Alexander 1977, SIAM J. Numer. Anal. 14, 1006-1021, doi:10.1137/0714068.
 """
@@ -31,12 +31,14 @@ from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage, content
 
 GAMMA = 1.0 - 0.5**0.5
-SLOWEST = 0.2  # factor by which a correction with an older matrix has to fall
-CORRECTIONS = 12  # at most, with an older matrix
+CORRECTIONS = 20  # at most
+# that cost as much as a matrix, its factors and the one that follows it
+DEAR = 7
+FIRST_RATE = 0.2  # of corrections, until there are two
 # of the terms of a residual, below which no other matrix makes it smaller
 ROUNDINGS = 1e3
 # of typical sizes, below which what is left of an error does not open balances
-ROUNDING = 5e-16
+ROUNDING = 1e-14
 
 
 def stages(
@@ -47,6 +49,7 @@ def stages(
     report: solve.Report,
     sizes: Array,
     ended: Flags | None = None,
+    near: Array | None = None,
 ) -> tuple[Array, Array, float]:
     """Return both stages of a step from a state, and the estimate of its local error
     over sizes.
@@ -60,6 +63,7 @@ def stages(
     sizes : (m,) of the unknowns, that the estimate refers to
     ended : (m, N, p + 1) solids at rest of which neither stage takes more than there
         is; None for none
+    near : where the first stage is sought first; None: at `guess`
 
     Raises
     ------
@@ -72,9 +76,7 @@ def stages(
         else _limited(problems[0], before, (1.0 - GAMMA) * dt, ended)
     )
     one = Storage(start, before, GAMMA * dt, loose=False)
-    with np.errstate(all="ignore"):
-        matrix = _matrix(start, guess, one)
-    first, factors = _solved(start, guess, report, one, matrix)
+    first, matrix, factors = _solved(start, guess, report, one, near)
     slope = (one.content(first, False)[0] - before) / (GAMMA * dt)
     target = before + (1.0 - GAMMA) * dt * slope
     end = (
@@ -83,10 +85,8 @@ def stages(
         else _limited(problems[1], target, GAMMA * dt, ended)
     )
     two = Storage(end, target, GAMMA * dt, loose=False)
-    # on the line through the states so far, as far as amounts stay positive
-    ahead = (1.0 - GAMMA) / GAMMA * (first - u)
-    near = first + solve.damping_factor(end, first, ahead) * ahead
-    last, _ = _solved(end, first, report, two, factors, near)
+    ahead = beyond(end, first, (1.0 - GAMMA) / GAMMA * (first - u))
+    last, _, _ = _solved(end, first, report, two, ahead, factors)
     change = slope - (two.content(last, False)[0] - target) / (GAMMA * dt)
     line = problems[1].line
     difference = (0.5 - GAMMA) / GAMMA * change * line.weights * line.h[:, None]
@@ -107,10 +107,19 @@ def _limited(problem: Problem, there: Array, dt: float, ended: Flags) -> Problem
     return problem.with_most_lost(np.where(ended, np.maximum(there, 0.0) / dt, np.inf))
 
 
-def _matrix(problem: Problem, u: Array, storage: Storage) -> Any:
+def beyond(problem: Problem, u: Array, step: Array) -> Array:
+    """Return a state on the line through those so far, a `step` further, as far as
+    amounts stay positive.
+    """
+    found: Array = u + solve.damping_factor(problem, u, step) * step
+    return found
+
+
+def _linear(problem: Problem, u: Array, storage: Storage) -> tuple[Array, Any]:
+    """Return the residual of a state and the factors of its matrix."""
     residual, slopes = problem.system.assemble(u)
-    storage.add(u, residual, slopes)
-    return slopes.factors(problem.flux_sizes, problem.sizes)
+    residual = storage.add(u, residual, slopes)
+    return residual, slopes.factors(problem.flux_sizes, problem.sizes)
 
 
 def _solved(
@@ -118,25 +127,23 @@ def _solved(
     guess: Array,
     report: solve.Report,
     storage: Storage,
-    factors: Any,
     near: Array | None = None,
-) -> tuple[Array, Any]:
-    """Return the solution of a stage, and the last matrix; that which is given is used
-    as long as it serves.
+    factors: Any = None,
+) -> tuple[Array, Any, Any]:
+    """Return the solution of a stage, and the first and the last matrix; one that is
+    given is used as long as it serves.
 
-    It is that of the guess, unless the first corrections begin at a state `near` the
-    solution.
+    It is sought from a state `near` it, and where that fails from the guess.
     """
     with np.errstate(all="ignore"):
-        begin = guess if near is None else near
-        found = _corrected(problem, begin, report, storage, factors)
-        if found is None and near is not None:
-            factors = _matrix(problem, guess, storage)
-            found = _corrected(problem, guess, report, storage, factors)
-        if found is None:
-            found = _by_newton(problem, guess, report, storage)
-            factors = _matrix(problem, found, storage)
-        return found, factors
+        for begin in (guess,) if near is None else (near, guess):
+            found = _corrected(problem, begin, report, storage, factors)
+            if found is not None:
+                return found
+            factors = None
+        u = _by_newton(problem, guess, report, storage)
+        _, factors = _linear(problem, u, storage)
+        return u, factors, factors
 
 
 def _by_newton(
@@ -183,23 +190,31 @@ def _by_newton(
 
 def _corrected(
     problem: Problem, u: Array, report: solve.Report, storage: Storage, factors: Any
-) -> Array | None:
-    """Return the solution by corrections with one matrix; None where they do not
-    fall fast.
+) -> tuple[Array, Any, Any] | None:
+    """Return the solution by corrections, and the first and the last matrix, None
+    where they do not become small; the matrix is computed anew where that is cheaper.
     """
-    scale = problem.sizes[:, None, None]
+    scale, first = problem.sizes[:, None, None], factors
     before = np.inf
     for _ in range(CORRECTIONS):
-        residual = problem.system.assemble(u, False)[0] + storage.residual(u)
+        if factors is None:
+            residual, factors = _linear(problem, u, storage)
+            first = first or factors
+        else:
+            residual = problem.system.assemble(u, False)[0] + storage.residual(u)
         report.history.append(solve.scaled_residual_norm(problem, residual))
         du = factors.solve(-residual)
         change = float(np.abs(du / scale).max())
-        if not change < SLOWEST * before or solve.damping_factor(problem, u, du) < 1.0:
-            rounded = np.all(np.abs(residual) < ROUNDINGS * storage.rounding())
-            return u if change < ROUNDING or rounded else None
-        u = u + du
-        rate = change / before if np.isfinite(before) else SLOWEST
+        # of a matrix of which nothing is known yet: it may be far from the solution
+        rate = change / before if np.isfinite(before) else FIRST_RATE
+        slow = np.isfinite(before) and not change * rate**DEAR < ROUNDING
+        if slow and np.all(np.abs(residual) < ROUNDINGS * storage.rounding()):
+            return u, first, factors
+        if not rate < 1.0 or solve.damping_factor(problem, u, du) < 1.0:
+            return None
+        u, before = u + du, change
         if change * rate < ROUNDING:
-            return u
-        before = change
+            return u, first, factors
+        if slow:
+            factors, before = None, np.inf
     return None

@@ -110,6 +110,7 @@ def on_cells(
     return replace(course, problem=problem), replace(
         history,
         state=u,
+        stage=None,
         vertices=vertices,
         pressure=problem.bed.gas_pressure,
         damping=np.array([damping[:, cells].max(axis=1) for cells in spans]).T,

@@ -30,7 +30,7 @@ from contbed.reacting_bed.least_amounts import least
 from contbed.reacting_bed.positivity_in_time import Bounded, bounded, of_next
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import taken_though_absent
-from contbed.reacting_bed.stages import GAMMA
+from contbed.reacting_bed.stages import GAMMA, beyond
 from contbed.reacting_bed.time_cells import following, on_cells
 from contbed.reacting_bed.transient_results import contents
 
@@ -157,6 +157,7 @@ class BedSteps(TimeSteps[BedHistory]):
                 self.report,
                 course.sizes(guess),
                 history.damping,
+                self._near(course, history, size),
                 repeated,
             )
             if found.error <= tolerance and course.rounds:
@@ -184,6 +185,16 @@ class BedSteps(TimeSteps[BedHistory]):
         if not self._jumps(history):
             return np.asarray(history.state)
         return turned(course.at(history.time, before=False), history.state)
+
+    def _near(self, course: Course, history: BedHistory, size: float) -> Array | None:
+        """Return where the first stage of a step is sought first: on the line through
+        the last states; None after a jump.
+        """
+        if history.stage is None or self._jumps(history):
+            return None
+        u = history.state
+        share = GAMMA * size / ((1.0 - GAMMA) * history.taken)
+        return beyond(course.problem, u, share * (u - history.stage))
 
     def _guess_inside(self, history: BedHistory) -> None:
         """Take the first guesses inside of pellets from a history."""
@@ -237,6 +248,7 @@ class BedSteps(TimeSteps[BedHistory]):
         after = replace(
             history,
             state=states[1],
+            stage=states[0],
             time=end,
             size=size,
             taken=step,
