@@ -88,10 +88,9 @@ def space_velocities(problem: Problem) -> dict[str, float]:
 
 def heat_of(problem: Problem, reaction: Reaction, T: float) -> float:
     """Return the heat that a mole of a reaction absorbs at a temperature [J/mol]."""
-    phase = reaction.phase
-    species = problem.species.plain if phase is None else problem.species.phases[phase]
+    enthalpies = problem.species.enthalpies
     return sum(
-        n * float(species.all[name].enthalpy(T))
+        n * float(enthalpies[name](T))
         for name, n in reaction.stoichiometry.items()
     )
 
