@@ -27,8 +27,9 @@ START_PROFILE_POWER = 20
 START_THETA = 0.03
 # specularity [-] of the first problem, for which uniform starting profiles converge
 START_SPECULARITY = 0.05
-# of the way from one problem to another, in one step of Newton's method [-]
-FIRST_SHARE, LEAST_SHARE = 0.5, 0.06
+# of the way from one problem to another, in one step of Newton's method [-]; 200 um
+# in turbulent gas need 0.01 at its begin
+FIRST_SHARE, LEAST_SHARE = 0.5, 0.005
 # pseudo-time steps, none longer than one before, after which the search ends
 PATIENCE = 16
 # steps in pseudo-time [s]; granular energy settles within a second

@@ -32,6 +32,9 @@ FINE_CELLS = 60  # cells from which a search that fails is not repeated on finer
 # share of the radius; FCC of 75 um in 100 mm, without a solution, has 0.005, 200 um,
 # with one, 0.02
 SHORT_REACH = 0.01
+# the same in turbulent gas, whose flat profile shears few particles: 200 um in 100 mm
+# have 0.02, and their pressure falls to 0 on the way to turbulent gas
+SHORT_REACH_TURBULENT = 0.05
 LEAST_STOKES = 1.0  # below which drag stops particles sooner than shear moves them
 # factors on a granular temperature from which no solution is found
 GUESSES = (0.01, 0.1, 10.0)
@@ -129,9 +132,11 @@ def advice(problem: DevelopedProblem) -> str:
             "the kinetic theory of this model does not hold for them"
         )
     theta = problem.plan.scene.developed_flow.granular_temperature_centre or START_THETA
+    turbulent = "eddy_viscosity" in c.closures
+    short = SHORT_REACH_TURBULENT if turbulent else SHORT_REACH
     if (
         "granular_production" not in c.closures
-        and reach_of_fluctuations(c, theta) < SHORT_REACH * c.radius
+        and reach_of_fluctuations(c, theta) < short * c.radius
     ):
         return (
             'name closures.granular_production = "granular_production_koch": without '

@@ -100,6 +100,33 @@ def test_advice_for_particles_that_drag_stops():
     assert "Stokes" not in advice(DevelopedProblem(plan(fcc(20))))
 
 
+def conveyed(**closures):
+    """200 um in a pipe of 100 mm; 15 m/s, 10 kg/m2/s, turbulent gas."""
+    scene = fcc(20, turbulence="eddy_viscosity_nikuradse", **closures)
+    for path, value in {
+        ("solids", "beads", "diameter"): 2e-4,
+        ("solids", "beads", "density"): 2500.0,
+        ("boundary", "wall", "solids", "beads", "specularity"): 0.05,
+        ("developed_flow", "gas_velocity"): 15.0,
+        ("developed_flow", "solids_mass_flux"): 10.0,
+    }.items():
+        scene = with_value(scene, path, value)
+    return scene
+
+
+def test_advice_for_particles_in_turbulent_gas():
+    """The flat profile of the gas shears few particles: their pressure falls to 0."""
+    text = advice(DevelopedProblem(plan(conveyed())))
+    assert text.startswith('name closures.granular_production = "granular_prod')
+
+
+@pytest.mark.slow
+def test_particles_are_conveyed_by_turbulent_gas():
+    """Small steps lead from laminar to turbulent gas, at first 0.01 of the way."""
+    result = cb.run(conveyed(granular_production="granular_production_koch"))
+    assert_closed(result, 1e-10, "momentum", "gas flow", "solids flow")
+
+
 @pytest.mark.slow
 def test_cells_that_are_too_coarse_are_halved_and_told():
     result = cb.run(fcc(40, granular_production="granular_production_koch"))
