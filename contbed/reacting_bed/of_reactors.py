@@ -90,8 +90,7 @@ def heat_of(problem: Problem, reaction: Reaction, T: float) -> float:
     """Return the heat that a mole of a reaction absorbs at a temperature [J/mol]."""
     enthalpies = problem.species.enthalpies
     return sum(
-        n * float(enthalpies[name](T))
-        for name, n in reaction.stoichiometry.items()
+        n * float(enthalpies[name](T)) for name, n in reaction.stoichiometry.items()
     )
 
 
