@@ -47,8 +47,8 @@ TIMES = np.concatenate([np.geomspace(1e-5, 0.02, 40)[:-1], np.arange(1, 151) * 0
 SMALL = 0.01
 # with which errors of a breakthrough are up to 2e-7; those of 100 are 0.03
 MOST_UNITS = 80.0
-# transfer units beyond which a breakthrough is compared at this many: differences fall
-# with more
+# transfer units, of films and insides together, beyond which a breakthrough is compared
+# at this many: differences fall with more
 LONGEST = 50.0
 
 
@@ -57,6 +57,13 @@ def correction(biot: float, shape: str = "sphere") -> float:
     needs, 1 + Bi/(s + 2).
     """
     return 1.0 + biot / (SURFACE_OVER_VOLUME[shape] + 2)
+
+
+def _inside(biot: float, level: Level, shape: str) -> float:
+    """Return the transfer units of films over those with an inside; 1 of points and of
+    one temperature, whose transforms have large values on the contour.
+    """
+    return correction(biot, shape) if level in ("interior", "effective") else 1.0
 
 
 def uptake(
@@ -119,10 +126,10 @@ def breakthrough(
     ValueError : more than `MOST_UNITS` transfer units xi, for which rounding on the
         contour is larger than the result
     """
-    if xi > MOST_UNITS:
+    if xi > MOST_UNITS * _inside(biot, level, shape):
         raise ValueError(
             f"xi = {xi:g} transfer units; a breakthrough is inverted up to "
-            f"{MOST_UNITS:g}"
+            f"{MOST_UNITS * _inside(biot, level, shape):g}"
         )
     fourier = eta / (SURFACE_OVER_VOLUME[shape] * biot)
     return invert(lambda p: np.exp(-xi * uptake(p, biot, level, shape)) / p, fourier)
@@ -167,7 +174,7 @@ def breakthrough_error(
 
     `last` is the end of the run over the time of the mean breakthrough.
     """
-    units = min(xi, LONGEST)
+    units = min(xi, LONGEST * _inside(biot, level, shape))
     share = 1.0 / correction(biot, shape) if level == "effective" else 1.0
     # when the gas arrives, H is K, and 1 with an inside
     at_once = abs(np.exp(-units * share) - np.exp(-units))
