@@ -240,14 +240,12 @@ def is_plug_flow(scene: s.Scene, mesh: Mesh) -> bool:
     typed = {name for name, table in scene.boundary.items() if table.type is not None}
     if not np.any(velocity) or not (typed or isinstance(scene.mesh, MeshFile)):
         return True
-    # a radial flow slows down with the radius
-    if mesh.axisymmetric and velocity[0]:
-        return False
     from contbed.packed_bed.flow import is_across, is_along, slip_axis
 
     file = scene.origin.name
     walls = [name for name, kind in roles.items() if kind == "slip"]
-    if curved_inlet(scene):
+    # a radial flow slows down with the radius
+    if (mesh.axisymmetric and velocity[0]) or curved_inlet(scene):
         with _of_file(file):
             for name in walls:
                 slip_axis(mesh, name)

@@ -194,3 +194,11 @@ def test_an_eighth_of_a_ball(tmp_path):
 )
 def test_what_is_refused(tmp_path, keys, message):
     refused(message, plan, scene(tmp_path, RING, **keys))
+
+
+def test_a_cone_is_refused_before_its_run(tmp_path):
+    """Flow along an oblique wall with slip is not solved around an axis."""
+    cone = RING.replace("{0.05, 0, 0,", "{0.03, 0.04, 0,")
+    cone = cone.replace("{0.2, 0, 0,", "{0.12, 0.16, 0,")
+    around = scene(tmp_path, cone, **{"mesh.axisymmetric": True})
+    refused("boundary.floor: a slip wall that the flow meets", plan, around)
