@@ -74,7 +74,8 @@ def _keys_are_read(name: str, table: Reaction, law: RateLaw, what: str) -> Mista
     if table.rate is None:
         read.add("law")
     for key in sorted(table.model_fields_set - read):
-        if getattr(table, key) is not None:
+        absent = Reaction.model_fields[key].get_default(call_default_factory=True)
+        if getattr(table, key) != absent:
             yield ("reactions", name, key), f"has no meaning with {what}; remove it"
 
 

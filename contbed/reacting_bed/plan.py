@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from contbed.chemistry.effectiveness import effectiveness_of
 from contbed.chemistry.kinetics import rates_of
 from contbed.course.schedule import Schedule
+from contbed.particle.level import SHAPES
+from contbed.particle.uptake import correction
 from contbed.plan_text import Rows, built_and_skipped, plan_text
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.cells import aim
@@ -25,6 +27,7 @@ from contbed.reacting_bed.feeds import (
     require_gas_left,
     with_cells_of_one_value,
 )
+from contbed.reacting_bed.inside import Choice
 from contbed.reacting_bed.pellet_level import PelletLevel, decided
 from contbed.reacting_bed.phases import described_phases, species_of
 from contbed.reacting_bed.problem import Problem
@@ -308,7 +311,8 @@ def _parts(
     for phase, choice in problem.choices.items():
         by = f" by {phase}" if several else ""
         gases = ", ".join(scene.solids[phase].adsorption)
-        yield f"adsorption of {gases}{by}", str(choice), True
+        text = f"{choice}{_short_fronts(problem, choice, scene.solids[phase])}"
+        yield f"adsorption of {gases}{by}", text, True
     pellets = [_effectiveness(problem, phase) for phase in problem.pellets]
     if pellets:
         chosen = [str(level)] if level is not None and level.resolved else []
@@ -333,6 +337,25 @@ def _parts(
         )
         pieces = len(schedule.cuts(scene.time.end, kinks_passed(schedule, scene))) - 1
         yield "time series", f"{keys}, in {pieces} pieces", True
+
+
+def _short_fronts(problem: Problem, choice: Choice, table: s.Solid) -> str:
+    """Return what to do about fronts shorter than a cell, which polynomials follow in
+    short steps: one transfer unit, film and inside, is as short as those of isotherms
+    with a capacity get.
+    """
+    scene, passage = problem.scene, choice.passage
+    unit = scene.mesh.length * correction(passage.biot, SHAPES[table.shape])
+    unit /= passage.units
+    curved = table.adsorption[choice.gas].capacity is not None
+    polynomials = scene.time is not None and problem.line.degree and not follows(scene)
+    if not (curved and polynomials) or unit > float(np.min(problem.line.h)):
+        return ""
+    return (
+        f". Fronts of a favourable isotherm can be as short as {1e3 * unit:.3g} mm, less "
+        "than a cell: if the run is slow, solver.degree = 0 takes far fewer steps and "
+        "spreads them over a few cells"
+    )
 
 
 def _described_pressure(problem: Problem) -> str:

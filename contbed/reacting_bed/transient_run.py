@@ -139,6 +139,11 @@ def _advice(course: Course, history: BedHistory) -> str:
             f"{cooled:.3g} mol/m2/s, and "
             f'{enters:.3g} enter: {stops}. Give packed_bed.gas_storage = "quasi_steady"'
         )
+    if problem.layout.inside and problem.line.degree:
+        return (
+            "fronts of adsorption may be shorter than a cell: give solver.degree = 0, "
+            f"one value a cell, or use {finer(course.scene)}"
+        )
     return (
         f"use {finer(course.scene)}, or smooth a rate whose slope is infinite where "
         "nothing is left"

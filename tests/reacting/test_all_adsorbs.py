@@ -160,3 +160,12 @@ def test_residuals_of_a_step_are_few():
         taken = history.steps
     # one matrix for a step without a predictor takes 29
     assert len(report.history) < 15 * taken
+
+
+def test_a_plan_says_what_fronts_shorter_than_a_cell_cost():
+    """A unit of film and inside is u (1 + Bi/5)/(k a), with k = Sh D/d and Bi = 5."""
+    unit = 0.03 * (1.0 + 5.0 / 5.0) / (10.0 * 1e-6 / 1.5e-3 * 6.0 * 0.6 / 1.5e-3)
+    advice = f"as short as {1e3 * unit:.3g} mm, less than a cell"
+    assert advice in str(plan(from_dict(scene_of(ROLL_UP))))
+    for changes in ({"mesh.cells": 80}, {"solver.degree": 0}):
+        assert advice not in str(plan(from_dict(scene_of(ROLL_UP, changes))))
