@@ -74,7 +74,7 @@ def _condensed(melted: float = 0.0) -> dict[str, Any]:
     last: dict[str, float] = {}
     for item in cantera.Species.list_from_file("nasa_condensed.yaml"):
         name = (
-            item.name.split("(")[0]
+            item.name.rsplit("(", 1)[0]
             if item.name.endswith(")") and not item.name.endswith("(L)")
             else item.name
         )

@@ -116,6 +116,25 @@ def test_gases_that_are_not_declared_are_no_solids():
     models.plan(loads(OXIDE.replace("N2 = {}", "N2 = {}, H2O = {}")))
 
 
+def test_hydroxides_keep_their_brackets():
+    """Fe(OH)3(s) of Cantera's tables is no iron; the last bracket names its phase."""
+    scene = OXIDE.split("[reactions")[0].replace("N2 = {}", "N2 = {}, H2O = {}")
+    scene = (
+        scene.replace("CuO", "Fe(OH)3")
+        + """
+        [reactions.calcination]
+        equation = "2 Fe(OH)3 -> Fe2O3 + 3 H2O"
+        law = "power"
+        A = 1e-3
+        E = 0.0
+    """
+    )
+    (phase,) = models.plan(loads(scene)).problem.species.phases.values()
+    # JANAF: -832.6 kJ/mol
+    formed = phase.all["Fe(OH)3"].enthalpy(298.15)
+    assert formed == approx(-832.6e3, rel=1e-3)
+
+
 def test_every_element_is_known():
     """Those that have a standard atomic weight, which Cantera has as well."""
     weights = {}
