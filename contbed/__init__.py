@@ -16,15 +16,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from contbed.compiled.cache import choose_cache
-from contbed.errors import (
-    BalanceError,
-    ClosureRangeError,
-    ContbedError,
-    ConvergenceError,
-    EngineError,
-    SceneError,
-    UnlikeError,
-)
 
 __version__ = "0.2.0"
 __all__ = [
@@ -52,9 +43,25 @@ _HOMES = {
     "Result": "result",
     "run": "runner",
     "gradient": "many.derivatives.gradients",
+    "BalanceError": "errors",
+    "ClosureRangeError": "errors",
+    "ContbedError": "errors",
+    "ConvergenceError": "errors",
+    "EngineError": "errors",
+    "SceneError": "errors",
+    "UnlikeError": "errors",
 }
 
 if TYPE_CHECKING:
+    from contbed.errors import (
+        BalanceError,
+        ClosureRangeError,
+        ContbedError,
+        ConvergenceError,
+        EngineError,
+        SceneError,
+        UnlikeError,
+    )
     from contbed.loading import load
     from contbed.many.derivatives.gradients import gradient
     from contbed.models import plan

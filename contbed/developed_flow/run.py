@@ -132,8 +132,9 @@ def advice(problem: DevelopedProblem) -> str:
             "the kinetic theory of this model does not hold for them"
         )
     theta = problem.plan.scene.developed_flow.granular_temperature_centre or START_THETA
+    smooth = c.specularity < START_SPECULARITY
     turbulent = "eddy_viscosity" in c.closures
-    short = SHORT_REACH_TURBULENT if turbulent else SHORT_REACH
+    short = SHORT_REACH_TURBULENT if turbulent and not smooth else SHORT_REACH
     if (
         "granular_production" not in c.closures
         and reach_of_fluctuations(c, theta) < short * c.radius
@@ -144,7 +145,7 @@ def advice(problem: DevelopedProblem) -> str:
             f"particles of {c.d_p:g} m away from walls, and no fraction carries the "
             f"pressure; or {_tries(problem)}"
         )
-    if c.specularity < START_SPECULARITY:
+    if smooth:
         return (
             f"a wall with specularity = {c.specularity:g} makes few fluctuations, and "
             "where drag stops them in the middle no fraction carries the pressure: "

@@ -8,7 +8,6 @@ from typing import Any
 
 from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import KeyPath, parse_key
-from contbed.scene.units import base_value
 
 PARAMETERS = "parameters"  # table of the constants of a formula
 
@@ -24,6 +23,8 @@ def number_at(scene: Any, key: str) -> float | None:
     """
     path, found = parse_key(key), value_at(scene, key)
     if isinstance(found, str) and PARAMETERS in path[:-1]:
+        from contbed.scene.units import base_value
+
         with suppress(ValueError):  # reported where formulas are checked
             return base_value(found)
     number = isinstance(found, int | float) and not isinstance(found, bool)

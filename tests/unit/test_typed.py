@@ -15,13 +15,15 @@ def test_py_typed_is_in_the_package_and_in_the_wheel():
 
 
 def test_the_package_shows_what_users_need():
-    """`dir(contbed)` has the functions and classes of the README, all errors, and nothing of how
-    they are found.
+    """`dir(contbed)` has the functions and classes of the README, all errors, and
+    nothing of how they are found.
     """
     import contbed
+    from contbed import errors
 
-    errors = {name for name in vars(contbed.errors) if name.endswith("Error")}
-    assert set(dir(contbed)) == errors | {
+    kinds = {name for name in vars(errors) if name.endswith("Error")}
+    assert all(getattr(contbed, name) is getattr(errors, name) for name in kinds)
+    assert set(dir(contbed)) == kinds | {
         "Plan",
         "Result",
         "Scene",
