@@ -7,6 +7,8 @@ from typing import Any
 
 from contbed.course.history import History
 
+Passed = tuple[float, float, float, float, float]
+
 
 @dataclass(frozen=True, kw_only=True)
 class ParticleHistory(History):
@@ -14,9 +16,10 @@ class ParticleHistory(History):
 
     sums : heat conducted in, carried out, released [J/kg], gas that left; exchanged :
         heat both ways
-    passed : time, mass and centre temperature of all stages
+    passed : of all stages the time, mass, centre temperature, the temperature above
+        start and surroundings, and the largest difference between neighbouring shells
     """
 
     sums: Any
     exchanged: float = 0.0
-    passed: tuple[tuple[float, float, float], ...]
+    passed: tuple[Passed, ...]

@@ -24,6 +24,9 @@ LEAST_LOSS = 1e-9
 # of the heat that the outermost shell would conduct to a surface at 0 K: what it does
 # conduct is a small difference in a fine particle, whose rounding is 1e-14 of it
 CONDUCTED_SHARE = 1e-5
+# of the rise by reactions, between neighbouring shells, above which they do not resolve
+# a front: three shells across it
+THIN_FRONT = 0.33
 
 
 def balances(
@@ -79,11 +82,18 @@ def profiles(
         )
 
 
-def findings(passed: NDArray[np.float64], result: Result) -> None:
-    """Fill in numbers of the whole run; `passed` (n, 3) are times, masses and centre
-    temperatures of all steps.
+def findings(passed: NDArray[np.float64], span: float, result: Result) -> None:
+    """Fill in numbers of the whole run; `passed` (n, 5) is that of the history, `span`
+    the difference between start and surroundings [K].
     """
-    times, mass, centre = passed.T
+    times, mass, centre, above, steepest = passed.T
+    if above.max() > span and steepest.max() > THIN_FRONT * above.max():
+        result.warnings.append(
+            f"reactions heat the particle by {above.max():.4g} K, "
+            f"{steepest.max():.4g} K of it from one shell to the next: the front is "
+            "thinner than a shell, and its speed and peak depend on "
+            "single_particle.cells; raise it until they no longer change"
+        )
     hottest = int(np.argmax(centre))
     result.qoi |= {
         "mass_fraction_end": float(mass[-1]),

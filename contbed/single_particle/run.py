@@ -11,6 +11,7 @@ import numpy as np
 
 from contbed.chemistry.thermo import R_GAS
 from contbed.course.dirk import STAGES, WEIGHTS, DirkSteps, Step, ladder, stages_of
+from contbed.course.march import Accept
 from contbed.course.schedule import Schedule
 from contbed.errors import ConvergenceError
 from contbed.materials.composition import mole_fractions
@@ -19,7 +20,7 @@ from contbed.output.progress import Progress
 from contbed.result import Result, timed
 from contbed.single_particle import results
 from contbed.single_particle.equations import Material, Sphere, Surface
-from contbed.single_particle.history import ParticleHistory
+from contbed.single_particle.history import ParticleHistory, Passed
 from contbed.single_particle.plan import Plan
 from contbed.single_particle.scene import SURFACE, SingleParticleScene
 from contbed.solvers.newton import Options
@@ -102,6 +103,7 @@ class ParticleSteps(DirkSteps[ParticleHistory]):
         values = self.series.temperatures() or [surface.furnace(0.0)]
         farthest = max(abs(T - material.start) for T in values)
         self.span, self.tolerance = max(farthest, 1.0), time.tolerance
+        self.hottest = max(material.start, *values)
         cells = plan.scene.single_particle.cells
         self.problem = Sphere(material, surface, cells, self.span)
         self.control = ladder(FIRST_STEP)
@@ -111,7 +113,7 @@ class ParticleSteps(DirkSteps[ParticleHistory]):
     def begin(self) -> ParticleHistory:
         """Return the history at the start of the run."""
         state = self.problem.initial()
-        first = (0.0, self.problem.left(state), self.problem.centre(state))
+        first = self._row(0.0, state)
         history = ParticleHistory(
             state=state, size=FIRST_STEP, sums=np.zeros(4), passed=(first,)
         )
@@ -137,6 +139,16 @@ class ParticleSteps(DirkSteps[ParticleHistory]):
         size = FIRST_STEP if self.series.jumps(time) else history.size
         return replace(history, state=problem.with_surface(history.state), size=size)
 
+    def take(
+        self, history: ParticleHistory, end: float, size: float, repeated: bool = False
+    ) -> tuple[float, Accept[ParticleHistory]]:
+        """Take a step; errors refer to what reactions have heated too."""
+        problem = self.problem
+        T = history.state[: problem.shells]
+        heated = float(np.abs(T - problem.material.start).max())
+        error, accept = super().take(history, end, size, repeated)
+        return error * min(1.0, self.span / max(heated, 1e-300)), accept
+
     def passed(
         self, history: ParticleHistory, step: Step, end: float, size: float
     ) -> ParticleHistory:
@@ -151,7 +163,7 @@ class ParticleSteps(DirkSteps[ParticleHistory]):
             sums = sums + weight * step.size * rates
             exchanged += weight * step.size * abs(rates[0])
             if share:
-                passed.append((time, problem.left(stage), problem.centre(stage)))
+                passed.append(self._row(time, stage))
         return replace(
             super().passed(history, step, end, size),
             sums=sums,
@@ -159,6 +171,13 @@ class ParticleSteps(DirkSteps[ParticleHistory]):
             passed=tuple(passed),
             kept=self.kept(history, step, end, self.outputs),
         )
+
+    def _row(self, time: float, state: Any) -> Passed:
+        problem = self.problem
+        T = state[: problem.shells]
+        steepest = float(np.abs(np.diff(T)).max())
+        left, centre = problem.left(state), problem.centre(state)
+        return time, left, centre, float(T.max()) - self.hottest, steepest
 
 
 @timed("particle")
@@ -192,4 +211,4 @@ def run(
         ) from None
     results.balances(steps.problem, begin, history, result)
     results.profiles(plan, steps.problem, history.kept, result)
-    results.findings(np.array(history.passed), result)
+    results.findings(np.array(history.passed), steps.span, result)

@@ -352,3 +352,55 @@ def test_a_fine_particle_follows_its_surface():
     half = brentq(lambda t: passed(t) - np.log(2.0), 1000.0, 3000.0)
     assert result.qoi["half_time_s"] == approx(half, rel=1e-4)
     assert_closed(result, 1e-9, "energy")
+
+
+IGNITING = """
+model = "single_particle"
+[single_particle]
+cells = {cells}
+[solids.ball]
+diameter = 0.02
+density = 400.0
+conductivity = {conductivity}
+composition = "coal:1"
+constituent = {{ coal.heat_capacity = 1200.0, ash.heat_capacity = 1200.0 }}
+[reactions.oxidation]
+of = "coal"
+A = 1.333e8
+E = "100 kJ/mol"
+heat = -1.5e6
+yields = {{ ash = 1.0 }}
+[boundary.surface]
+ambient = 400.0
+coefficient = 1e-3
+[initial]
+temperature = 400.0
+[time]
+end = {end}
+"""
+
+
+def test_ignition_where_nothing_around_is_hotter(monkeypatch):
+    """A ball of one temperature in a gas as hot, which insulates it: dT/dt = Q A
+    exp(-E/(R T)) (1 - (T - T_0)/Q), Q = 1250 K. Errors of steps refer to what the
+    reaction heats, not to the difference of 0 K to the gas.
+    """
+
+    def inverse(T):
+        return np.exp(100e3 / 8.31446 / T) / 1.333e8 / (1250.0 - (T - 400.0))
+
+    half = quad(inverse, 400.0, 400.0 + 0.999999 * 625.0)[0]
+    taken = steps_of(monkeypatch)
+    result = run(loads(IGNITING.format(cells=4, conductivity=50.0, end=2.0 * half)))
+    T = result.profiles["T_mean [K]"]
+    ignited = result.profiles["t [s]"][int(np.argmax(T > 1025.0))]
+    assert ignited == approx(half, rel=0.03)  # between output times of 2 %
+    assert T.max() == approx(1650.0, rel=2e-3)  # local errors of 1e-4
+    assert len(taken) < 500  # 1100 with errors of 1e-4 K
+    assert not result.warnings
+    assert_closed(result, 1e-9, "energy")
+
+
+def test_a_front_thinner_than_a_shell_is_a_warning():
+    result = run(loads(IGNITING.format(cells=4, conductivity=0.01, end=1200.0)))
+    assert any("thinner than a shell" in warning for warning in result.warnings)
