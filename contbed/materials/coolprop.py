@@ -73,6 +73,14 @@ class RealFluid:
         """Return the conductivity [W/m/K]."""
         return pointwise(*self._tables["conductivity"], T)
 
+    def compressibility(self, T: float) -> float:
+        """Return by how much the density rises with the pressure, over itself [1/Pa]."""
+        if _is_incompressible(self.name):
+            return 0.0
+        CoolProp, state = _state(self.name)
+        state.update(CoolProp.PT_INPUTS, self.pressure, np.clip(T, *self.T_range))
+        return float(state.isothermal_compressibility())
+
     def share_outside(self, T: Any) -> float:
         """Return the share of the points of T outside T_range."""
         return share_outside(T, self.T_range)

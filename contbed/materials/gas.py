@@ -126,6 +126,10 @@ class GasMixture:
         )
         return np.sqrt(T) * (0.5 * (mean + 1.0 / below))
 
+    def compressibility(self, T: float) -> float:
+        """Return by how much the density rises with the pressure, over itself [1/Pa]."""
+        return 1.0 / self.pressure
+
     def share_outside(self, T: Any) -> float:
         """Return the share of the points of T outside T_range."""
         return share_outside(T, self.T_range)

@@ -24,7 +24,7 @@ SAME = 1e-9  # of the span: streams that close meet over a length, not at a poin
 
 
 def effectiveness(
-    duty: float, contents: Sequence[float], opposite: bool
+    duty: float, contents: Sequence[float], opposite: bool | None
 ) -> dict[str, float]:
     """Return the share of the most that the streams could exchange, and the transfer
     units.
@@ -33,11 +33,14 @@ def effectiveness(
     ----------
     duty : heat that the fluid takes up [W]
     contents : heat of each stream between the temperatures at which they enter [W]
-    opposite : whether the streams are counter-current
+    opposite : whether the streams are counter-current; None of streams that cross, for
+        which there are no transfer units
     """
     if not min(contents) > 0.0:
         return {}
     share = abs(duty) / min(contents)
+    if opposite is None:
+        return {"effectiveness": share}
     units = transfer_units(share, min(contents) / max(contents), opposite)
     return {"effectiveness": share} | ({} if units is None else {"NTU": units})
 

@@ -28,9 +28,13 @@ import numpy as np
 
 from contbed.arrays import Array
 from contbed.packed_bed.inlets import velocity_key
+from contbed.scene.gas import GasConstant
 from contbed.scene.toml_lines import parse_key
 
 GRAVITY = 9.81  # m/s2
+# change of the density by the drop, over itself, from which the drop is wrong by more
+# than half as much
+COMPRESSED = 0.1
 
 
 class Stream(NamedTuple):
@@ -80,6 +84,37 @@ def _resistance(plan: Any, T: Array) -> tuple[Array, Array, Array]:
         + density * medium.packing("forchheimer") / permeability**0.5 * speed
     )
     return u[axis], density, -drag * w[axis]
+
+
+def compressed(plan: Any, drop: float) -> str:
+    """Return a warning where the density changes much by the pressure drop [Pa]; empty
+    where it does not.
+
+    An ideal gas at one temperature has p_in^2 - p_out^2 = 2 p drop for a drop at the
+    density of p.
+    """
+    fluid, scene = plan.medium.fluid, plan.scene
+    # a fluid of constant properties has no pressure
+    if isinstance(scene.gas, GasConstant):
+        return ""
+    p, drop = scene.gas.pressure, abs(drop)
+    change = drop * fluid.compressibility(plan.medium.T_fluid_in)
+    if change < COMPRESSED:
+        return ""
+    at_outlet = (p**2 + 2.0 * p * drop) ** 0.5 - p
+    left = p**2 - 2.0 * p * drop
+    at_inlet = (
+        f"a gas that enters at this pressure loses {p - left**0.5:.4g} Pa"
+        if left > 0.0
+        else "no gas that enters at this pressure passes the bed so fast"
+    )
+    return (
+        f"{scene.origin.at(('gas', 'pressure'))}: gas.pressure: properties are those at "
+        f"{p:.6g} Pa everywhere, of which the pressure drop of {drop:.4g} Pa changes "
+        f"the density by {100.0 * change:.3g} %: {at_inlet}, and one that leaves at it "
+        f"{at_outlet:.4g} Pa; give the mean of the pressures at inlet and outlet, and "
+        "the velocity at that pressure"
+    )
 
 
 def lifted(plan: Any, T: Array) -> str:

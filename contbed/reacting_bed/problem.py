@@ -323,6 +323,14 @@ class Problem:
             }
         return self.bed.state([values[name] for name in self.layout.names])
 
+    def _stream_of(self, phase: str) -> State:
+        """Return the state of a stream of particles, also where the bed has one
+        temperature, which is that of the gas and all particles as they have mixed.
+        """
+        values = self.entering | {"T": self.streams.T_solids[phase]}
+        state = self.bed.state([values[name] for name in self.layout.names])
+        return state.phases[phase]
+
     @cached_property
     def inflow(self) -> dict[str, float]:
         """Fluxes of all equations that enter, signed along x."""
@@ -330,13 +338,13 @@ class Problem:
         found = {f"g_{name}": g for name, g in streams.gas.items()}
         v = self.bed.velocity_of
         found |= {f"n_{name}": v(f"n_{name}") * n for name, n in streams.solid.items()}
-        state = self.state_entering()
         h = self.bed.enthalpies
         gas = float(sum(g * h[name](streams.T_gas) for name, g in streams.gas.items()))
-        pairs = self.bed.with_states(state)
         solid = [
-            float(phase.velocity * phase.enthalpy(at)) if phase.velocity else 0.0
-            for phase, at in pairs
+            float(phase.velocity * phase.enthalpy(self._stream_of(phase.layout.name)))
+            if phase.velocity
+            else 0.0
+            for phase in self.bed.phases.values()
         ]
         found |= {"T": gas + sum(solid), "T_fluid": gas, "p": streams.pressure}
         found |= dict(

@@ -86,3 +86,25 @@ def test_particles_that_move_without_reacting_carry_heat():
     result = cb.run(from_dict(scene))
     assert result.qoi["T_fluid_out_K"] == approx(400.0 + 400.0 * 0.75, abs=1e-5)
     assert result.qoi["T_solid_out_K"] == approx(800.0 - 400.0 * 0.75, abs=1e-5)
+
+
+def test_streams_of_one_temperature_enter_with_their_own():
+    """Gas at 400 K and particles at 800 K along it mix to their mean by capacity where
+    the bed has one temperature.
+    """
+    cp, G, velocity = 30.0, 0.5, 1e-4
+    gases = species(A=0.028)
+    gases["A"] |= {"heat_capacity": cp, "enthalpy": 0.0}
+    scene = isothermal("A:1", gases)
+    scene["gas"] |= {"conductivity": 0.03, "viscosity": 2e-5}
+    scene["solids"]["particles"] |= {
+        k: v for k, v in solids().items() if k == "density"
+    } | {"heat_capacity": 800.0}
+    let_move(scene, velocity, temperature=800.0)
+    scene["boundary"]["left"]["gas"] = {"mass_flux": G, "temperature": 400.0}
+    scene["heat"] = {}
+    result = cb.run(from_dict(scene))
+    gas, particles = G * cp / 0.028, velocity * 3000.0 * 800.0
+    mixed = (gas * 400.0 + particles * 800.0) / (gas + particles)
+    assert result.qoi["T_fluid_out_K"] == approx(mixed, abs=1e-6)
+    assert_closed(result, 1e-12, "energy")

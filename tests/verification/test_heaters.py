@@ -66,3 +66,13 @@ def test_a_co_current_heater_is_that_of_the_handbook():
 def test_no_exchanger_is_better_than_the_best():
     assert transfer_units(1.0, 0.5, True) is None
     assert transfer_units(0.7, 0.5, False) is None
+
+
+def test_streams_that_cross_have_no_transfer_units_of_parallel_ones():
+    text = HEATER.replace("NUSSELT", "0.02").replace(
+        '"line", length = 1.0',
+        '"rectangle", length = 1.0, height = 1.0, cells = [8, 8]',
+    )
+    text = text.replace("boundary.left.gas", "boundary.bottom.gas")
+    q = cb.run(loads(text.replace("SIDE", "left").replace("VELOCITY", "1e-3"))).qoi
+    assert 0.0 < q["effectiveness"] < 1.0 and "NTU" not in q

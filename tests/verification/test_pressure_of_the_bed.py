@@ -12,14 +12,14 @@ import pytest
 from moving_beds import moving
 from numpy.testing import assert_allclose
 from pytest import approx
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import contbed as cb
 from contbed.closures import pressure_gradient_ergun
 from contbed.fem.ad.dual import Components
 from contbed.fem.elements import Space
-from contbed.loading import from_dict
+from contbed.loading import from_dict, loads
 from contbed.packed_bed.equations.porous_flow import Coefficients
 from contbed.packed_bed.flow import Flow, LocalProperties, flow_equations
 from contbed.packed_bed.plan import plan
@@ -498,3 +498,44 @@ def test_the_hottest_fluid_lifts_first():
     assert cold == ""
     assert lifted(made, np.array([433.0, 967.0, 500.0])) == hot
     assert "at 967 K" in hot
+
+
+EXPANDS = """
+mesh = { type = "line", length = 40.0 }
+gas = { GAS }
+solids.cat = { diameter = 6e-3, density = 1900.0 }
+packed_bed = { porosity = 0.45 }
+boundary.left.gas = { velocity = VELOCITY, temperature = 500.0 }
+"""
+AIR = 'model = "cantera", composition = "N2:0.79, O2:0.21", pressure = 10e5'
+WATER = 'model = "coolprop", name = "Water", pressure = 100e5, T_range = [480.0, 520.0]'
+
+
+@pytest.mark.parametrize("velocity", [0.2, 1.0, 2.0])
+def test_a_gas_that_the_drop_expands_is_a_warning(velocity):
+    """Its pressure is that of an ideal gas at one temperature: the integral of
+    p dp/dx = p_0 (dp/dx at p_0), which a drop beyond half of p_0 does not have.
+    """
+    text = EXPANDS.replace("GAS", AIR).replace("VELOCITY", str(velocity))
+    result = cb.run(loads(text))
+    drop = result.qoi["pressure_drop_Pa"]
+    found = [text for text in result.warnings if "gas.pressure" in text]
+    if drop < 1e5:
+        assert not found
+        return
+    if drop > 5e5:
+        assert "no gas that enters at this pressure" in found[0]
+        return
+    integral = solve_ivp(
+        lambda x, p: -drop / 40.0 * 10e5 / p, (0.0, 40.0), [10e5], rtol=1e-9
+    )
+    lost = 10e5 - integral.y[0, -1]
+    assert f"enters at this pressure loses {lost:.4g} Pa" in found[0]
+
+
+def test_a_liquid_is_not_expanded_by_the_drop():
+    text = EXPANDS.replace("GAS", WATER).replace("VELOCITY", "0.3")
+    result = cb.run(loads(text))
+    # 2 MPa change the density of water by 0.2 %
+    assert result.qoi["pressure_drop_Pa"] > 1e6
+    assert not [text for text in result.warnings if "gas.pressure" in text]
