@@ -5,7 +5,7 @@ it is written.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial, wraps
@@ -227,3 +227,12 @@ def outside(closure: Mapping[str, Any]) -> str:
         if use["share_outside"] > 0
     ]
     return f"closure {closure['name']} is out of its range: {', '.join(parts)}"
+
+
+def beyond_ranges(
+    closures: Iterable[Mapping[str, Any]], least: float = 0.0
+) -> list[str]:
+    """Return a warning for each closure that more than a `least` share of the bed uses
+    outside its declared range.
+    """
+    return [outside(each) for each in closures if each["share_outside"] > least]

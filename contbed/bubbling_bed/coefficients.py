@@ -253,7 +253,6 @@ class Computed:
                 target, growth, start, heat, heat * self.flow / self.D_bed
             )
         delta = state.get("delta", 0.0)
-        state["eps_bed"] = 1.0 - (1.0 - delta) * self.solids
         changes = {}
         if part is not None and part.known(u):
             state["entering"] = (
@@ -373,9 +372,7 @@ class Computed:
         }
 
     def _contact(self, key: str, state: dict[str, Any]) -> Any:
-        return self.coefficients[*surface_key(key), "coefficient"](
-            state | {"eps": state["eps_bed"]}, self.ranges
-        )
+        return self.coefficients[*surface_key(key), "coefficient"](state, self.ranges)
 
     def _uniform(self, T: float) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the state and the gases of a bed of one temperature."""

@@ -17,11 +17,13 @@ from contbed.cfd_dem.history import History
 from contbed.cfd_dem.plan import GasPlan
 from contbed.dem.failure import STRIDE
 from contbed.dem.simulation import Simulation
-from contbed.result import Result
+from contbed.result import Result, beyond_ranges
 
 # K; heat that warms the particles by less is not known to the ten digits that balances
 # are held to
 ROUNDING = 0.01
+# of the particles, below which a closure out of its range is left to its table
+FEW_PARTICLES = 0.01
 PERCENTILES = (5, 50, 95)  # of the coefficients of single particles
 
 
@@ -139,8 +141,9 @@ def _fill_ranges(result: Result, plan: GasPlan, bed: Bed, history: History) -> N
         "d_p": 2.0 * bed.simulation.radius,
         "mu": float(np.mean(bed.gas.fluid.viscosity(bed.gas.T))),
     }
-    for closure in bound(plan.scene).values():
-        result.closures.append(closure.use(**known).to_dict())
+    used = [closure.use(**known).to_dict() for closure in bound(plan.scene).values()]
+    result.closures += used
+    result.warnings += beyond_ranges(used, FEW_PARTICLES)
 
 
 def _balance(parts: Mapping[str, float], unit: str, floor: float) -> dict[str, Any]:

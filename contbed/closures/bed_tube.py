@@ -126,6 +126,7 @@ def bed_tube_kunii_levenspiel_packet(
         1 / h = (pi contact_time / (4 k_stagnant C))^(1/2) + gap d_p / k_gas
         C = (1 - eps) rho_solid cp_solid + eps rho_gas cp_gas
 
+    eps : [-] porosity of the packets, in a bubbling bed that of the emulsion
     gap : [-] thickness of the gas at the wall over the particle diameter
 
     Fitted to: nothing but `gap`, d_p/10 by Xavier and Davidson (1985)

@@ -102,6 +102,12 @@ def is_across(mesh: Mesh, boundary: str, direction: Any) -> bool:
     return normal is not None and abs(normal @ direction) > (1.0 - PARALLEL) * length
 
 
+def passes_along(mesh: Mesh, boundary: str, velocity: Any) -> bool:
+    """Return whether a uniform velocity passes along a boundary everywhere."""
+    speed = max(float(np.linalg.norm(velocity)), 1e-300)
+    return float(np.abs(_normals(mesh, boundary) @ velocity).max()) <= PARALLEL * speed
+
+
 def is_along(mesh: Mesh, boundary: str, velocity: Any) -> bool:
     """Return whether a uniform velocity passes along a boundary everywhere.
 
@@ -110,8 +116,7 @@ def is_along(mesh: Mesh, boundary: str, velocity: Any) -> bool:
     SceneError : it does not, and the boundary is no plane along the coordinate axes,
         where flow with slip is not solved
     """
-    speed = max(float(np.linalg.norm(velocity)), 1e-300)
-    if np.abs(_normals(mesh, boundary) @ velocity).max() <= PARALLEL * speed:
+    if passes_along(mesh, boundary, velocity):
         return True
     slip_axis(mesh, boundary)
     return False

@@ -19,8 +19,17 @@ import numpy as np
 
 from contbed.fem.probe import peak
 
-EQUAL = 1e-9  # of 1 - C, below which the streams count as equal
+# of 1 - C below which the streams count as equal, and of the cosine between them below
+# which they are parallel
+EQUAL = 1e-9
 SAME = 1e-9  # of the span: streams that close meet over a length, not at a point
+
+
+def opposite(velocity: Any, other: Any) -> bool | None:
+    """Return whether two streams are counter-current; None where they cross."""
+    along = float(velocity @ other)
+    speeds = float(np.linalg.norm(velocity) * np.linalg.norm(other))
+    return along < 0.0 if abs(along) > (1.0 - EQUAL) * speeds else None
 
 
 def effectiveness(

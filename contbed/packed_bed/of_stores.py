@@ -29,6 +29,9 @@ Intervals = list[tuple[ScheduleInterval | None, Plan]]
 POINTS = 8  # of the quadrature of entropy
 EDGES = (0.1, 0.9)  # scaled temperatures between which the thermocline lies
 SAME = 1e-12
+# streams that take more than they brought, beyond the error of a cycle, take what walls
+# or the start of the run gave, which is no efficiency
+MOST_EFFICIENT = 1.01
 ROUNDING = 1e-9  # of a share of all that streams could give
 
 
@@ -95,7 +98,7 @@ def exchanged(parts: Sequence[Part]) -> dict[str, float]:
     taken = sum((-part.left for part in discharging), 0.0)
     out = {"heat_charged_J": charged, "heat_discharged_J": taken}
     could = sum(part.most for part in charging), sum(part.most for part in discharging)
-    if charged > 0.0 and taken > 0.0:
+    if 0.0 < taken <= charged * MOST_EFFICIENT:
         out["storage_efficiency"] = taken / charged
     shares = (("charge", charged, could[0]), ("discharge", taken, could[1]))
     for way, passed, most in shares:
@@ -105,7 +108,7 @@ def exchanged(parts: Sequence[Part]) -> dict[str, float]:
     stored = sum((part.exergy for part in parts if part.exergy > 0.0), 0.0)
     given = sum((-part.exergy for part in parts if part.exergy < 0.0), 0.0)
     out |= {"exergy_charged_J": stored, "exergy_discharged_J": given}
-    if stored > 0.0 and given > 0.0:
+    if 0.0 < given <= stored * MOST_EFFICIENT:
         out["exergy_efficiency"] = given / stored
     return out
 
@@ -114,16 +117,14 @@ def used(parts: Sequence[Part], gain: float, capacity: float) -> dict[str, float
     """Return what the bed loses and holds, and the share of its capacity in use;
     `gain` is what it holds more at the end [J].
     """
-    out = {
-        "heat_lost_J": sum(part.lost for part in parts),
-        "heat_stored_J": gain,
-        "storage_capacity_J": capacity,
-    }
+    out = {"heat_lost_J": sum(part.lost for part in parts), "heat_stored_J": gain}
     resting = [part.lost for part in parts if not part.flows]
     if resting:
         out["heat_lost_at_rest_J"] = sum(resting)
     held = np.cumsum([0.0, *(part.left - part.lost for part in parts)])
+    # streams as warm as the bed at its start
     if capacity > 0.0:
+        out["storage_capacity_J"] = capacity
         out["utilisation"] = float(np.ptp(held)) / capacity
     return out
 

@@ -9,7 +9,6 @@ import numpy as np
 from contbed.fem.probe import Line
 from contbed.fields import header
 from contbed.packed_bed import of_heaters
-from contbed.packed_bed.curved_inlet import PARALLEL
 from contbed.packed_bed.heat import INSIDE
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.pressure import along_bed, compressed, lifted
@@ -235,9 +234,7 @@ def _exchanger(
         )
         for phase, (flow, _) in entering.items()
     ]
-    along = float(plan.velocity @ plan.velocity_solid)
-    speeds = float(np.linalg.norm(plan.velocity) * np.linalg.norm(plan.velocity_solid))
-    opposite = along < 0.0 if abs(along) > (1.0 - PARALLEL) * speeds else None
+    opposite = of_heaters.opposite(plan.velocity, plan.velocity_solid)
     result.qoi |= of_heaters.effectiveness(duty, contents, opposite)
 
 

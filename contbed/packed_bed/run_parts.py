@@ -16,7 +16,7 @@ from contbed.fem.probe import Line
 from contbed.materials.common import extrapolation
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.schedule import PHASES, ScheduleInterval
-from contbed.result import Result, outside
+from contbed.result import Result, beyond_ranges
 from contbed.scene.boundary import conditions_of
 
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
@@ -131,9 +131,7 @@ def check_state(plan: Plan, problem: Any, states: list[Any], result: Result) -> 
     if not states:
         return
     result.closures = [use.to_dict() for use in plan.medium.ranges()]
-    result.warnings += [
-        outside(closure) for closure in result.closures if closure["share_outside"] > 0
-    ]
+    result.warnings += beyond_ranges(result.closures)
     for phase in PHASES:
         material = getattr(plan.medium, phase)
         values = problem.system.part(states[-1], f"T_{phase}")

@@ -25,7 +25,7 @@ from contbed.reacting_bed.least_amounts import (
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.results_solids import fill_phases
 from contbed.reacting_bed.swings import largest_swing, unresolved_front
-from contbed.result import Result, outside
+from contbed.result import Result, beyond_ranges
 
 UNDERSHOT = 1e-6  # share of the whole below zero that is counted
 DRY = 1e-9  # share of the gas beside steam below which there is no dry gas
@@ -423,9 +423,7 @@ def _remarks(problem: Problem, u: Array, result: Result, found: Least | None) ->
     if problem.rings is not None:
         problem.bed.medium.radial(state)
     result.closures = [use.to_dict() for use in problem.bed.medium.ranges()]
-    result.warnings += [
-        outside(closure) for closure in result.closures if closure["share_outside"] > 0
-    ]
+    result.warnings += beyond_ranges(result.closures)
     share = 0.0
     whole = max(sum(problem.streams.solid.values()), 1e-300)
     for value in [*state.x.values(), *(n / whole for n in state.n.values())]:

@@ -14,19 +14,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed.errors import ContbedError, ConvergenceError, SceneError
-from contbed.result import Result, timed
+from contbed.result import Result, beyond_ranges, timed
 from contbed.scene.mesh import power_units
 from contbed.two_fluid import files, of_fluidized, plausibility, probes
 from contbed.two_fluid import plan as planning
 from contbed.two_fluid import results as findings
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages
-from contbed.two_fluid.closures import known
+from contbed.two_fluid.closures import HEAT_KINDS, known
 from contbed.two_fluid.simulation import Simulation
 
 if TYPE_CHECKING:
     from contbed.output.checkpoint import Keeper
 
+# of the cells with particles, below which a closure of heat out of its range is left to
+# the table of closures
+FEW_CELLS = 0.01
 RESTART_MAY_CHANGE = (
     "time.end",
     "time.sample",
@@ -398,7 +401,10 @@ def _fill_bubbles(run: Run, result: Result) -> None:
 
 
 def _fill_closures(run: Run, result: Result) -> None:
-    result.closures += [closure.use().to_dict() for closure in run.closures.values()]
+    used = {kind: closure.use().to_dict() for kind, closure in run.closures.items()}
+    result.closures += used.values()
+    of_heat = [use for kind, use in used.items() if kind in HEAT_KINDS.values()]
+    result.warnings += beyond_ranges(of_heat, FEW_CELLS)
 
 
 _PARTS = {

@@ -127,6 +127,23 @@ def test_a_number_is_a_closure_that_returns_it():
     )
 
 
+def test_packets_at_tubes_are_of_the_emulsion():
+    """h^2 = 4 k C / (pi t) with the solids of the emulsion, 0.5, whatever the share of
+    bubbles; its gas holds 2e-4 of the heat.
+    """
+    packets = {
+        "name": "kunii_levenspiel_packet",
+        "contact_time": 0.5,
+        "k_stagnant": 0.35,
+        "gap": 0.0,
+    }
+    same = {"solids__char__density": 2600.0, "solids__char__heat_capacity": 1000.0}
+    result = solved(hot(tubes__coefficient=packets, **same))
+    assert result.profiles["delta [1]"].max() > 0.1
+    h = (4.0 * 0.35 * 0.5 * 2600.0 * 1000.0 / (np.pi * 0.5)) ** 0.5
+    assert result.qoi["tubes_coefficient_W_m2K"] == approx(h, rel=1e-3)
+
+
 def test_ranges_are_reported_with_where_they_are_used():
     result = solved(hot())
     used = {use["used_by"]: use for use in result.closures if "used_by" in use}

@@ -12,6 +12,7 @@ from pytest import approx
 from contbed.errors import SceneError
 from contbed.mesh.build import build
 from contbed.mesh.mesh import refine
+from contbed.packed_bed.flow import passes_along
 from contbed.scene.mesh import MeshFile
 from tests.imported import modules_after
 
@@ -435,3 +436,16 @@ def test_node_outside_the_file(only_problem):
     assert (
         "broken or unsupported mesh" in line or "nodes that are not in the file" in line
     )
+
+
+def test_both_sides_of_a_duct_with_one_name_are_walls(tmp_path):
+    """Their normals are opposite, and the flow passes along both."""
+    one = {key: name for key, name in NAMES.items() if name != "top"} | {
+        (1, 1): "walls"
+    }
+    sides = [(LINE, 1, (1, 2)), (LINE, 2, (2, 3)), (LINE, 1, (3, 4)), (LINE, 4, (4, 1))]
+    write(tmp_path / "duct.msh", elements=[*sides, *SQUARE[4:]], names=one)
+    mesh = load(tmp_path / "duct.msh")
+    assert passes_along(mesh, "walls", np.array([0.5, 0.0]))
+    assert not passes_along(mesh, "walls", np.array([0.5, 1e-6]))
+    assert not passes_along(mesh, "right", np.array([0.5, 0.0]))

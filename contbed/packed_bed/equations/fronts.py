@@ -20,7 +20,10 @@ from typing import Any
 
 import numpy as np
 
+from contbed.compiled.functions import entry
+
 Array = Any
+AT_ONCE = 10**7  # cells times steps between two reports of the progress
 
 
 @dataclass(frozen=True)
@@ -95,29 +98,73 @@ def track(
     rate = phases.exchange * (1.0 / capacity_fluid + 1.0 / capacity_solid)
     share = capacity_fluid / (capacity_fluid + capacity_solid)
 
-    def exchanged(fluid: Array, solid: Array, time: float) -> tuple[Array, Array]:
-        moved = -np.expm1(-rate * time) * (solid - fluid)
-        return fluid + (1.0 - share) * moved, solid - share * moved
-
     snapshots: list[Snapshot] = []
-    entered = left = 0.0
+    left, step = 0.0, 0
     parcel = capacity_fluid * dz
-    step = 0
+    half = -np.expm1(-0.5 * rate * dt)
     for time in times:
-        while (step + 1) * dt <= time * (1 + 1e-12):
-            fluid, solid = exchanged(fluid, solid, 0.5 * dt)
-            left += parcel * (fluid[-1] - initial[0])
-            entered += parcel * (inlet - initial[0])
-            fluid = np.concatenate(([inlet], fluid[:-1]))
-            fluid, solid = exchanged(fluid, solid, 0.5 * dt)
-            step += 1
+        last = int(time * (1 + 1e-12) / dt)
+        while step < last:
+            count = min(last - step, max(AT_ONCE // cells, 1))
+            left += parcel * moved(
+                fluid,
+                solid,
+                inlet,
+                initial[0],
+                half * (1.0 - share),
+                half * share,
+                count,
+            )
+            step += count
             advance(step * dt)
         rest = max(time - step * dt, 0.0)
-        parcels, cells_now = exchanged(fluid, solid, rest)
+        gained = -np.expm1(-rate * rest) * (solid - fluid)
+        parcels, cells_now = fluid + (1.0 - share) * gained, solid - share * gained
         entering = np.concatenate(([inlet], parcels))
         centres = np.concatenate(([z[0] - dz], z)) + velocity * rest
         snapshots.append(Snapshot(time, centres, entering, z, cells_now))
+    entered = step * parcel * (inlet - initial[0])
     stored = parcel * float(np.sum(fluid - initial[0])) + capacity_solid * dz * float(
         np.sum(solid - initial[1])
     )
     return snapshots, {"in": entered, "out": left, "stored": stored}
+
+
+@entry(cache=True, nogil=True)
+def moved(
+    fluid: Array,
+    solid: Array,
+    inlet: float,
+    reference: float,
+    to_fluid: float,
+    to_solid: float,
+    count: int,
+) -> float:
+    """Take `count` steps in place: exchange, parcels that move by a cell, exchange.
+
+    Parameters
+    ----------
+    fluid, solid : temperatures (cells,) [K]
+    to_fluid, to_solid : of the difference of temperatures, what each phase takes up in
+        half a step
+
+    Returns
+    -------
+    the sum of the temperatures of parcels that leave above `reference` [K]
+    """
+    left = 0.0
+    for _ in range(count):
+        for i in range(len(fluid) - 1, -1, -1):
+            apart = solid[i] - fluid[i]
+            parcel = fluid[i] + to_fluid * apart
+            solid[i] -= to_solid * apart
+            if i == len(fluid) - 1:
+                left += parcel - reference
+                continue
+            apart = solid[i + 1] - parcel
+            fluid[i + 1] = parcel + to_fluid * apart
+            solid[i + 1] -= to_solid * apart
+        apart = solid[0] - inlet
+        fluid[0] = inlet + to_fluid * apart
+        solid[0] -= to_solid * apart
+    return left
