@@ -347,10 +347,7 @@ provenance.scene = "a wall of spheres"
     assert found["coefficient_left_W_m2K"] == approx(300.0, rel=0.02)
 
 
-def test_a_closure_file_of_the_conductivity_of_the_bed(tmp_path):
-    """A file of 0.4/0.026 times the gas's conductivity: the heat of a half space."""
-    (tmp_path / "bed.toml").write_text(
-        """
+BED_OF_A_PACKING = """
 format = 1
 kind = "conductivity"
 form = "log_polynomial"
@@ -363,7 +360,11 @@ range.eps = [0.3, 0.6]
 residuals.points = 3
 provenance.scene = "a packing of spheres"
 """
-    )
+
+
+def test_a_closure_file_of_the_conductivity_of_the_bed(tmp_path):
+    """A file of 0.4/0.026 times the gas's conductivity: the heat of a half space."""
+    (tmp_path / "bed.toml").write_text(BED_OF_A_PACKING)
     made = in_scene(20, closures__conductivity_bed={"file": "bed.toml"})
     del made["solids"]["beads"]["conductivity"]
     found = cb.run(from_dict(made, base=tmp_path)).qoi
@@ -492,3 +493,14 @@ def test_restart_with_layers_is_bit_for_bit(tmp_path):
     rest = cb.run(made, tmp_path, restart=tmp_path)
     same_run(rest, cb.run(made))
     assert rest.qoi["heat_right_W"] == approx(1e3, rel=1e-12)
+
+
+def test_a_closure_of_heat_out_of_its_range_is_a_warning(tmp_path):
+    (tmp_path / "bed.toml").write_text(
+        BED_OF_A_PACKING.replace("[0.3, 0.6]", "[0.3, 0.4]")
+    )
+    made = in_scene(4, closures__conductivity_bed={"file": "bed.toml"})
+    found = cb.run(from_dict(made, base=tmp_path))
+    assert any(
+        "eps 0.42" in text and "declared 0.3 to 0.4" in text for text in found.warnings
+    )
