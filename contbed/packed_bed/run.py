@@ -232,7 +232,7 @@ def _steady(
 
 def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
     from contbed.output.progress import Progress
-    from contbed.packed_bed.equations.fronts import Phases, track
+    from contbed.packed_bed.fronts import Phases, track
     from contbed.packed_bed.results import front_findings
 
     scene, medium = plan.scene, plan.medium
