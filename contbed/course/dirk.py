@@ -40,6 +40,7 @@ W = 2.0**0.5 / 4.0
 WEIGHTS = (W, W, D)
 # times of the states of a step, from its start, over its size
 STAGES = (0.0, GAMMA, 1.0)
+BEYOND = (1.0 - GAMMA) / GAMMA  # from the first stage on, over the way to it
 _ERROR = (W - (1 - W) / 3, W - (3 * W + 1) / 3, D - D / 3)
 
 # [s] below which a run is given up
@@ -244,7 +245,7 @@ class _Stages:
         steady_first = self._steady(first)
         self._set_time(end)
         rhs = content - W * dt * (steady + steady_first)
-        state_last, last = self._solve(first, rhs, dt)
+        state_last, last = self._solve(first + BEYOND * (first - x), rhs, dt)
         steady_last = self._steady(last)
         defect = -dt * (
             _ERROR[0] * steady + _ERROR[1] * steady_first + _ERROR[2] * steady_last

@@ -15,6 +15,7 @@ from pytest import approx
 from scipy.integrate import quad
 
 import contbed as cb
+from contbed.fem.ad.dual import Dual
 from contbed.fem.stabilisation import tau
 from contbed.loading import from_dict
 from contbed.packed_bed.equations import two_energy
@@ -158,9 +159,8 @@ def test_heat_content_of_a_gas() -> None:
 
 
 def test_heat_content_beyond_the_range_of_a_fluid_has_the_slope_of_its_end() -> None:
-    """The polynomial itself grows without limit: 20 K beyond the ends of this range
-    its slope is wrong by orders of magnitude, and a steep front, which overshoots,
-    has no solution.
+    """A polynomial grows without limit there, and a steep front, which overshoots, has
+    no solution.
     """
     oil = {
         "model": "coolprop",
@@ -235,3 +235,34 @@ def test_limits_of_the_stabilisation() -> None:
     assert tau(2.0, 0.0, 0.0, 3.0, 0.1, 2) == approx(3.0 * 0.05 / (2.0 * 2.0))
     assert tau(0.0, 2.0, 0.0, 3.0, 0.1, 1) == approx(3.0 * 0.1**2 / (12.0 * 2.0))
     assert tau(0.0, 0.0, 2.0, 3.0, 0.1, 1) == approx(3.0 / 2.0)
+
+
+@pytest.mark.parametrize(
+    ("gas", "error"),
+    [
+        ({"model": "cantera", "composition": "N2:0.79, O2:0.21"}, 1e-6),
+        (
+            {
+                "model": "coolprop",
+                "name": "CO2",
+                "pressure": 100e5,
+                "T_range": [295.0, 890.0],
+            },
+            2e-5,
+        ),
+    ],
+    ids=["bends of air", "peak of carbon dioxide"],
+)
+def test_the_heat_that_a_fluid_holds_follows_its_properties(
+    gas: dict[str, Any], error: float
+) -> None:
+    """The derivative of its content is rho c_p, also where that bends or peaks, and the
+    content its integral by Simpson's rule.
+    """
+    medium = plan(bed(0.3, gas=gas)).medium
+    T = np.linspace(306.0, 880.0, 2297)
+    exact = 0.4 * medium.fluid.density(T) * medium.fluid.heat_capacity(T)
+    found = medium.content_fluid(Dual(T, {(0, 0): np.ones_like(T)}))
+    assert found.tangents[0, 0] == approx(exact, rel=error)
+    simpson = (exact[:-2:2] + 4.0 * exact[1:-1:2] + exact[2::2]) * (T[1] - T[0]) / 3.0
+    assert np.diff(found.value[::2]) == approx(simpson, rel=10.0 * error)
