@@ -110,9 +110,9 @@ def compressed(plan: Any, drop: float) -> str:
     )
     return (
         f"{scene.origin.at(('gas', 'pressure'))}: gas.pressure: properties are those at "
-        f"{p:.6g} Pa everywhere, of which the pressure drop of {drop:.4g} Pa changes "
-        f"the density by {100.0 * change:.3g} %: {at_inlet}, and one that leaves at it "
-        f"{at_outlet:.4g} Pa; give the mean of the pressures at inlet and outlet, and "
+        f"{p:.6g} Pa everywhere, and the pressure drop of {drop:.4g} Pa changes the "
+        f"density by {100.0 * change:.3g} %: {at_inlet}, and one that leaves at it "
+        f"loses {at_outlet:.4g} Pa; give the mean of the pressures at inlet and outlet, and "
         "the velocity at that pressure"
     )
 
