@@ -36,7 +36,7 @@ _LETTERS = r"A-Za-z%\u00b0\u00b5\u03bc\u00b2\u00b3\u2103"
 _UNIT = re.compile(rf"[{_LETTERS}][{_LETTERS}0-9_ .*/^()+-]{{0,60}}")
 
 # Powers of numbers and long exponents could keep the parser busy for hours.
-_LARGE_POWER = re.compile(r"\d\s*(?:\*\*|\^)|\d{3}|\)\s*(?:\*\*|\^)")
+_LARGE_POWER = re.compile(r"\d\s*(?:\*\*|\^)|(?<![.\d])\d{3}|\)\s*(?:\*\*|\^)")
 
 _GAUGE = "; pressures are absolute: add that of the air and write {}"
 _ABSOLUTE = "; pressures are absolute: write {}"
