@@ -318,11 +318,11 @@ class Medium:
         enter.
         """
         if "content" not in self.tables:
-            low, high = self.fluid.T_range
-            ends = [max(low, 1.0), min(high, 6000.0)]
             from scipy.interpolate import CubicSpline
 
-            nodes = np.linspace(*ends, CONTENT_NODES)
+            low, high = self.fluid.T_range
+            ends = [max(low, 1.0), min(high, 6000.0)]
+            nodes = np.linspace(ends[0], ends[1], CONTENT_NODES)
             series = CubicSpline(
                 nodes, self.fluid.density(nodes) * self.fluid.heat_capacity(nodes)
             )
