@@ -435,6 +435,9 @@ def plan(scene: s.Scene) -> Plan:
             f"{AUTOMATIC_CELLS[dim]} cells at most"
         )
         parts.append(("errors", text, True))
+    if isinstance(grid, MeshFile) and not scene.solver.adapt:
+        text = "not estimated on a mesh of a file; `contbed converge` measures them"
+        parts.append(("errors", text, False))
     text = _described_plug(scene, medium) if plug else "Taylor-Hood, Newton"
     parts.append(("porous flow", text, not plug))
     parts += parts_of_heat(scene, medium, schedule, inside, fronts)

@@ -324,8 +324,8 @@ class Problem:
         return self.bed.state([values[name] for name in self.layout.names])
 
     def _stream_of(self, phase: str) -> State:
-        """Return the state of a stream of particles, also where the bed has one
-        temperature, which is that of the gas and all particles as they have mixed.
+        """Return the state of the particles of a phase as they enter, at their own
+        temperature also where gas and particles have one in the bed.
         """
         values = self.entering | {"T": self.streams.T_solids[phase]}
         state = self.bed.state([values[name] for name in self.layout.names])
