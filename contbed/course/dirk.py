@@ -245,7 +245,10 @@ class _Stages:
         steady_first = self._steady(first)
         self._set_time(end)
         rhs = content - W * dt * (steady + steady_first)
-        state_last, last = self._solve(first + BEYOND * (first - x), rhs, dt)
+        beyond = first + BEYOND * (first - x)
+        # a temperature stays above 0 K
+        guess = np.where(first * beyond > 0.0, beyond, first)
+        state_last, last = self._solve(guess, rhs, dt)
         steady_last = self._steady(last)
         defect = -dt * (
             _ERROR[0] * steady + _ERROR[1] * steady_first + _ERROR[2] * steady_last

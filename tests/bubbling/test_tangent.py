@@ -89,7 +89,7 @@ def settling():
         "feed": [0.1, 0.2, 0.4, 0.3],
     }
     sand["feed"] = {
-        "mass_flow": 0.2,
+        "mass_flow": 1.0,
         "temperature": 300.0,
         "height": 0.2,
         "width": 0.05,
@@ -99,7 +99,8 @@ def settling():
 
 @pytest.mark.slow
 def test_sizes_that_settle():
-    assert worst(from_dict(settling()), ["boundary.bottom.gas.mass_flow"]) < 1e-6
+    # steps of 1e-4 show to what error sizes settle, those of 1e-3 their own
+    assert worst(from_dict(settling()), ["boundary.bottom.gas.mass_flow"], 3e-4) < 1e-6
 
 
 @pytest.mark.slow
