@@ -11,7 +11,7 @@ from contbed.fields import header
 from contbed.packed_bed import of_heaters
 from contbed.packed_bed.heat import INSIDE
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.pressure import along_bed, compressed, lifted
+from contbed.packed_bed.pressure import along_bed, lifted
 from contbed.packed_bed.streams import Streams, outlet_table, streams
 from contbed.result import Result
 from contbed.scene.boundary import FLUXES, conditions_of
@@ -60,13 +60,11 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
             "pressure_drop_Pa": drop * (1.0 if plan.velocity[axis] >= 0 else -1.0),
             "pressure_gradient_Pa_m": gradient,
         }
-        _tell_if_compressed(plan, drop, result)
         return
     nodes = [of_pressure.on_facets(_facets(plan, kind)) for kind in PASSED]
     if all(each.size for each in nodes):
         entering, out = (float(flow.pressure[each].mean()) for each in nodes)
         result.qoi["pressure_drop_Pa"] = entering - out
-        _tell_if_compressed(plan, entering - out, result)
 
 
 def _facets(plan: Plan, kind: str) -> Any:
@@ -325,7 +323,6 @@ def _along(plans: list[Plan], line: Line, x: Any, fluid: Any, result: Result) ->
     if plan.velocity[plan.mesh.axis]:
         drop = abs(last.pressure[-1] - last.pressure[0])
         result.qoi["pressure_drop_Pa"] = float(drop)
-        _tell_if_compressed(plan, drop, result)
     return last.u
 
 
@@ -360,11 +357,6 @@ def _mean_stay(medium: Any, problem: Any, state: Any) -> float:
         state,
     )
     return float(held / streams(problem, state)[1]["fluid"][0])
-
-
-def _tell_if_compressed(plan: Plan, drop: float, result: Result) -> None:
-    if (text := compressed(plan, drop)) and text not in result.warnings:
-        result.warnings.append(text)
 
 
 def _tell_if_lifted(plans: list[Plan], T: Any, result: Result) -> None:

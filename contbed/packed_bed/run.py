@@ -11,6 +11,7 @@ from contbed.balance import Balance
 from contbed.fem.probe import Line, line_along
 from contbed.fields import distinct
 from contbed.packed_bed.plan import Plan
+from contbed.packed_bed.pressure import compressed
 from contbed.packed_bed.run_parts import (
     Solved,
     check_state,
@@ -50,6 +51,19 @@ def run(
     ------
     ConvergenceError : Newton or the time steps fail
     """
+    _solve(plan, result, folder, quiet, start)
+    drop = result.qoi.get("pressure_drop_Pa")
+    if drop is not None and (text := compressed(plan, drop)):
+        result.warnings.append(text)
+
+
+def _solve(
+    plan: Plan,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Any, Any] | None,
+) -> None:
     scene = plan.scene
     if plan.fronts:
         with result.timed("heat"):

@@ -147,7 +147,7 @@ class ParticleSteps(DirkSteps[ParticleHistory]):
         T = history.state[: problem.shells]
         heated = float(np.abs(T - problem.material.start).max())
         error, accept = super().take(history, end, size, repeated)
-        return error * min(1.0, self.span / max(heated, 1e-300)), accept
+        return error * self.span / max(self.span, heated), accept
 
     def passed(
         self, history: ParticleHistory, step: Step, end: float, size: float
