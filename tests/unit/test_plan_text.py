@@ -6,6 +6,7 @@ import contbed as cb
 from contbed.loading import from_dict, load
 from contbed.models import MODELS, plan
 from contbed.output.progress import Progress
+from contbed.packed_bed import fronts
 from tests.scene_text import scene_of
 
 
@@ -20,6 +21,7 @@ def test_the_bar_of_fronts_reaches_the_end(monkeypatch):
     """A parcel of one cell takes each step: a bed of 40 cells in which the gas stays
     0.4 s, for 2 s.
     """
+    monkeypatch.setattr(fronts, "AT_ONCE", 40)  # a report after each step
     reached = []
     monkeypatch.setattr(
         Progress, "advance_to", lambda bar, value, note="": reached.append(value)
@@ -60,4 +62,5 @@ def test_the_bar_of_fronts_reaches_the_end(monkeypatch):
         )
     )
     cb.run(scene)
+    assert len(reached) == pytest.approx(2.0 / 0.4 * 40, rel=0.1)
     assert reached[-1] == pytest.approx(2.0, rel=1e-3)
