@@ -10,18 +10,12 @@ from __future__ import annotations
 from typing import Any
 
 from contbed.chemistry.local import Local, Rate
-from contbed.chemistry.rate_law import Case, RateLaw
+from contbed.chemistry.rate_law import SI_OF_BASIS, Case, RateLaw
 from contbed.chemistry.thermo import R_GAS
 from contbed.closures.formula import Formula, parse_formula
 from contbed.scene.reactions import Reaction
 
 QUOTIENT = "Q_over_K"
-SI_OF_BASIS = {
-    "catalyst": "mol/kg/s",
-    "gas": "mol/m**3/s",
-    "particle": "mol/m**3/s",
-    "bed": "mol/m**3/s",
-}
 
 
 def formula_values(at: Local, left: Any) -> dict[str, Any]:

@@ -10,6 +10,7 @@ own, of first order in mass (`single_particle/scene.py`).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,6 +27,12 @@ from contbed.errors import SceneError
 from contbed.scene.reactions import Reaction
 
 BAR = 1e5  # [Pa]
+SI_OF_BASIS = {
+    "catalyst": "mol/kg/s",
+    "gas": "mol/m**3/s",
+    "particle": "mol/m**3/s",
+    "bed": "mol/m**3/s",
+}
 
 
 @dataclass(frozen=True)
@@ -109,13 +116,43 @@ class Case:
             made = made * power(at.c[name], n)
         return made / self.equilibrium_constant(at.T)
 
-    def constant(self, T: Any) -> Any:
-        """Return k = A T^b exp(-E/(R T))."""
-        table = self.table
-        k: Any = table.A or 0.0
-        if table.E:
-            k = k * np.exp(-table.E / R_GAS / T)
-        return k * T**table.b if table.b else k
+    def constant(self, unit: str, order: float = 0.0) -> Callable[[Any], Any]:
+        """Return k = A T^b exp(-E/(R T)) as a function of T [K], where k times
+        concentrations [mol/m3] of this order gives `unit`.
+
+        Raises
+        ------
+        SceneError : A has another unit
+        """
+        table, A = self.table, self._factor(unit, order)
+
+        def k(T: Any) -> Any:
+            found: Any = A * np.exp(-table.E / R_GAS / T) if table.E else A
+            return found * T**table.b if table.b else found
+
+        return k
+
+    def _factor(self, unit: str, order: float) -> float:
+        given = self.table.A
+        if not isinstance(given, str):
+            return given or 0.0
+        from contbed.scene.units import exponents, to_si, unit_with
+
+        wanted = unit_with(exponents(f"({unit})*(m**3/mol)**({order})"))
+        A = -1.0
+        with suppress(ValueError):  # published with the unit of T^b
+            A = to_si(given, f"{wanted}/K**({self.table.b})")
+        try:
+            A = A if A >= 0.0 else to_si(given, wanted)
+        except ValueError as error:
+            raise SceneError(
+                f"reactions.{self.name}.A: {error}; it multiplies concentrations to "
+                f"the order {order:g}: for others, such as partial pressures, give a "
+                "formula, rate = ..."
+            ) from None
+        if A < 0.0:
+            raise SceneError(f"reactions.{self.name}.A: '{given}' is below 0")
+        return A
 
     @cached_property
     def first_gas(self) -> tuple[str, float]:

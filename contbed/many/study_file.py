@@ -13,7 +13,7 @@ from contbed.explain.sheets import unit
 from contbed.scene.refusals import mistakes_of, table_of
 from contbed.scene.toml_lines import KeyPath, dotted, one_line, parse_key, read
 from contbed.scene.units import exponents, number_and_unit, unit_with
-from contbed.scene.values import PARAMETERS, flat, value_at
+from contbed.scene.values import flat, is_constant, value_at
 
 _Table = TypeVar("_Table", bound=BaseModel)
 # takes the path below an entry, and what is wrong there
@@ -100,8 +100,8 @@ def checked(model: type[_Table], entry: Mapping[str, Any], say: Say) -> _Table |
 def unit_of(name: str, given: Any = None) -> str | None:
     """Return the SI unit of a dotted key; None if it has none or is not known.
 
-    A constant of a formula has that of the text which its scene gives, "3 1/h"; a plain
-    number has none, as it counts in the unit of the formula.
+    A constant of a formula or rate law has that of the text which its scene gives, "3 1/h"; a plain
+    number has none, as it counts in the unit of the formula or in SI.
     """
     try:
         path = parse_key(name)
@@ -117,7 +117,7 @@ def unit_in(scenes: Iterable[Path], name: str) -> str | None:
     """Return the SI unit of a dotted key, see `unit_of`; that of a constant is in the
     first of some scene files that gives it, which are read for constants alone.
     """
-    for scene in scenes if PARAMETERS in name else ():
+    for scene in scenes if is_constant(parse_key(name)) else ():
         try:
             given = value_at(read(scene)[0], name)
         except (SceneError, ValueError):  # reported where the scene is loaded
@@ -125,11 +125,6 @@ def unit_in(scenes: Iterable[Path], name: str) -> str | None:
         if given is not None:
             return unit_of(name, given)
     return unit_of(name)
-
-
-def is_constant(path: KeyPath) -> bool:
-    """Return whether a key is a constant of a formula, which takes any unit."""
-    return PARAMETERS in path[:-1]
 
 
 def relocated(problem: str, places: Mapping[str, str]) -> tuple[str, str]:

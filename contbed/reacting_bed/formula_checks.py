@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from contbed.chemistry.laws import find_law, name_of
-from contbed.chemistry.rate_formula import QUOTIENT, SI_OF_BASIS
+from contbed.chemistry.rate_formula import QUOTIENT
+from contbed.chemistry.rate_law import SI_OF_BASIS
 from contbed.chemistry.species import condensed_names
 from contbed.closures.formula import parse_formula, require_names
 from contbed.errors import SceneError

@@ -12,7 +12,7 @@ from contbed.scene.checking import Mistakes
 from contbed.scene.quantities import Number, Table, Whole
 from contbed.scene.toml_lines import parse_key
 from contbed.scene.units import exponents, number_and_unit, unit_with
-from contbed.scene.values import PARAMETERS, number_at, value_at
+from contbed.scene.values import is_constant, number_at, value_at
 
 
 class Continuation(Table):
@@ -30,7 +30,7 @@ class Continuation(Table):
     def header(self, scene: Any) -> str:
         """Return the header of the column of the parameter: its key and unit."""
         path, given = parse_key(self.parameter), value_at(scene, self.parameter)
-        if isinstance(given, str) and PARAMETERS in path[:-1]:
+        if isinstance(given, str) and is_constant(path):
             unit: str | None = unit_with(exponents(number_and_unit(given)[1]))
         else:
             unit = schema.unit(schema.of(scene.__class__), path)

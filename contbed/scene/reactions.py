@@ -104,8 +104,14 @@ class Reaction(Table):
     """of the formula, such as kmol/kg/h; absent: SI of the basis"""
     parameters: dict[str, Parameter] = Field(default_factory=dict)
     """of the formula, {E = "49 kJ/mol"}"""
-    A: NonNegative | None = None
-    """of k = A T^b exp(-E/(R T)), in mol, m and s"""
+    A: (
+        Annotated[
+            Annotated[NonNegative, Tag("number")] | Annotated[str, Tag("name")],
+            Discriminator(text_or_number),
+        ]
+        | None
+    ) = None
+    """of k = A T^b exp(-E/(R T)): in mol, m, s and K, or with its unit, "0.2 L/mol/min" """
     b: Number = 0.0
     """exponent of the temperature in k = A T^b exp(-E/(R T))"""
     E: ActivationEnergy | None = None

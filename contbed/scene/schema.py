@@ -193,11 +193,8 @@ def allowed(node: Node) -> str:
     if values := choices(node):
         return " or ".join(json.dumps(value) for value in values)
     ways = options(node)
-    text = (
-        "a text"
-        if {way.get("type") for way in ways} <= {"string", "array"}
-        else "a closure's name"
-    )
+    named = any(is_closure(way) or is_closure_file(way) for way in ways)
+    text = "a closure's name" if named else "a text"
     return ", or ".join(
         dict.fromkeys(
             text if way.get("type") == "string" else _one(way) for way in ways

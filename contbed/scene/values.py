@@ -12,17 +12,26 @@ from contbed.scene.toml_lines import KeyPath, parse_key
 PARAMETERS = "parameters"  # table of the constants of a formula
 
 
+def is_constant(path: KeyPath) -> bool:
+    """Return whether a key is a constant of a formula or of a rate law, which takes a
+    plain number or a text with the unit that its formula asks for.
+    """
+    return PARAMETERS in path[:-1] or (
+        path[-3:-2] == ("reactions",) and path[-1] == "A"
+    )
+
+
 def value_at(scene: Any, key: str) -> Any:
     """Return the value of a dotted key; None where there is none."""
     return at(scene, parse_key(key))
 
 
 def number_at(scene: Any, key: str) -> float | None:
-    """Return the number of a dotted key, in SI that of a constant of a formula which is
-    written with a unit, "360 1/h"; None where there is none.
+    """Return the number of a dotted key, in SI that of a constant which is written
+    with a unit, "360 1/h"; None where there is none.
     """
     path, found = parse_key(key), value_at(scene, key)
-    if isinstance(found, str) and PARAMETERS in path[:-1]:
+    if isinstance(found, str) and is_constant(path):
         from contbed.scene.units import base_value
 
         with suppress(ValueError):  # reported where formulas are checked

@@ -10,10 +10,16 @@ from pytest import approx
 from reacting_bed_scenes import danckwerts, isothermal, species
 
 import contbed
+from contbed.chemistry.equation import Equation
+from contbed.chemistry.rate_law import Case
 from contbed.closures.formula import parse_formula
 from contbed.fem.ad.dual import Dual
 from contbed.loading import from_dict
+from contbed.many.study_file import unit_of
+from contbed.scene.reactions import Reaction
+from contbed.scene.values import number_at
 from tests.particle.tables import overall, sphere
+from tests.refusals import refused
 from tests.scene_text import set_keys
 
 
@@ -103,3 +109,54 @@ def test_formulas(text, value):
     step = 1e-6
     slope = (formula({"x": 3.0 + step}) - formula({"x": 3.0 - step})) / (2.0 * step)
     assert float(dual.tangents.get("x", [0.0])[0]) == approx(slope, rel=1e-7, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("orders", "more", "A"),
+    [
+        ({"A": 1.0}, {}, "1200 1/min"),
+        ({"A": 2.0}, {}, "1200 L/mol/min"),
+        ({"A": 0.5}, {}, "20 mol^0.5/m^1.5/s"),
+        ({"A": 1.0}, {"basis": "catalyst"}, "20 L/g/s"),
+        ({"A": 1.0}, {"b": 0.5, "basis": "gas"}, "20 1/s/K^0.5"),
+        ({"A": 1.0}, {"b": 0.5, "basis": "gas"}, "20 1/s"),
+    ],
+)
+def test_factors_of_laws_have_units(orders, more, A):
+    """A text in the unit of its order gives what the number in SI does."""
+    in_SI = 0.02 if orders["A"] == 2.0 else 20.0
+    scene = catalytic(orders=orders, A=in_SI, **more)
+    if "basis" in more:
+        set_keys(scene, "solids.particles.density = 1000")
+    number = left(scene)
+    scene["reactions"]["r"]["A"] = A
+    assert left(scene) == approx(number, rel=1e-12)
+
+
+def test_factors_of_grains_and_cores_have_units():
+    """Of a rate per surface, to the order of the gas, and of a velocity."""
+    for of, order, text in (("m/s", 0.0, "20 cm/s"), ("mol/m**2/s", 1.0, "20 cm/s")):
+        table = Reaction(equation="A -> B", A=text, E=0.0)
+        case = Case("r", table, Equation.of("A -> B"), None)
+        assert case.constant(of, order)(500.0) == approx(0.2)
+
+
+def test_a_factor_of_partial_pressures_is_refused():
+    for A, what in (
+        ("20 mol/kg/s/bar", r"like '1/s'.*to the order 1.*rate = "),
+        ("20", "without a unit"),
+        ("-20 1/s", "is below 0"),
+    ):
+        refused(rf"reactions\.r\.A: .*{what}", lambda A=A: left(catalytic(A=A)))
+
+
+def test_a_factor_with_a_unit_is_a_number_of_studies():
+    """Its key has the value in SI, and the unit of its text."""
+    scene = from_dict(catalytic(A="1200 1/min"))
+    assert number_at(scene, "reactions.r.A") == approx(20.0)
+    assert unit_of("reactions.r.A", "1200 1/min") == "1/s"
+    assert unit_of("reactions.r.A") is None
+    slope = contbed.gradient(scene, "x_A_out", "reactions.r.A")
+    assert slope.derivatives[0, 0] == approx(
+        left(scene) * np.log(left(scene)) / 20.0, rel=1e-6
+    )

@@ -26,12 +26,13 @@ def _grain(case: Case, exponent: float) -> Rate:
         )
     per_area = float(table.molar_density or 1.0) * float(table.grain_radius or 1.0)
     scale = 3.0 * table.active_share / per_area
+    constant = case.constant("mol/m**2/s", sum(case.orders.values()))
 
     def rate(at: Local) -> Any:
         fresh = case.fresh(at)
         left = at.n[case.solid] / fresh
         return (
-            case.constant(at.T)
+            constant(at.T)
             * powers(at, case.orders)
             * odd_power(left, exponent, at.small.solids)
             * fresh

@@ -8,16 +8,17 @@ from __future__ import annotations
 from typing import Any
 
 from contbed.chemistry.local import Local, Rate
-from contbed.chemistry.rate_law import Case, RateLaw, powers
+from contbed.chemistry.rate_law import SI_OF_BASIS, Case, RateLaw, powers
 
 
 def _power(case: Case) -> Rate:
     left = {name: -n for name, n in case.gases.items() if n < 0}
     right = {name: n for name, n in case.gases.items() if n > 0}
     elementary = case.orders == left
+    constant = case.constant(SI_OF_BASIS[case.basis], sum(case.orders.values()))
 
     def rate(at: Local) -> Any:
-        k = case.constant(at.T)
+        k = constant(at.T)
         forward = powers(at, case.orders)
         if not case.equation.reversible:
             return k * forward

@@ -112,12 +112,13 @@ def _shrinking_core(case: Case) -> Rate:
             "taken up and as many moles of gas are made, or none: give a formula, "
             "rate = ..."
         )
+    constant = case.constant("m/s")
 
     def rate_of(at: Local) -> Any:
         left = at.n[case.solid] / case.fresh(at)
         # not above 1, where the resistance of a product layer would be negative
         q = np.minimum(remaining_radius(left, at.small.solids), 1.0)
-        k = case.constant(at.T)
+        k = constant(at.T)
         driving = at.c[gas]
         if case.equation.reversible:
             # of one mole of the gas

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.errors import SceneError
-from contbed.many.study_file import is_constant, unit_of
+from contbed.many.study_file import unit_of
 from contbed.models import model_of
 from contbed.scene import schema
 from contbed.scene.library import MATERIALS
@@ -24,7 +24,7 @@ from contbed.scene.quantities import Table
 from contbed.scene.tables import Closure, SceneBase, from_library
 from contbed.scene.toml_lines import KeyPath, dotted, parse_key
 from contbed.scene.units import base_value
-from contbed.scene.values import at, with_value
+from contbed.scene.values import at, is_constant, with_value
 
 NUMERICAL_TABLES = ("solver", "output")
 NUMERICAL_KEYS = (

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.fields import behind
-from contbed.many.study_file import Say, checked, is_constant, unit_of
+from contbed.many.study_file import Say, checked, unit_of
 from contbed.many.value_sets import Ends, number
 from contbed.scene import schema
 from contbed.scene.names import nearest
 from contbed.scene.quantities import Switch
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import parse_key
-from contbed.scene.values import value_at
+from contbed.scene.values import is_constant, value_at
 
 
 class Bounds(Ends):
