@@ -216,8 +216,9 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
     if abs(across) < 0.5:
         raise SceneError(
             f"{scene.origin.name}: boundary.{name} is neither along nor across the "
-            "flow; "
-            f'say [boundary.{name}] type = "inlet", "outlet", "wall" or "no_slip"'
+            f'flow; say [boundary.{name}] type = "inlet", "outlet" or "no_slip"; flow '
+            "along a wall without friction is solved where the wall is a plane along "
+            "the coordinate axes"
         )
     return "inlet" if across < 0 else "outlet"
 
