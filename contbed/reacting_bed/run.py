@@ -12,7 +12,9 @@ from contbed.reacting_bed import results, solve, steady_positivity
 from contbed.reacting_bed.plan import Plan
 from contbed.reacting_bed.problem import Problem, isothermal_drop
 from contbed.reacting_bed.rate_checks import taken_though_absent
+from contbed.reacting_bed.section_error import KEY, LARGE, section_error
 from contbed.result import Result
+from contbed.scene.values import at
 
 # share of a gas or solid above which a warning says what was rounded
 LARGE_SMOOTHING = 1e-5
@@ -68,10 +70,19 @@ def run(
         if report.small > LARGE_SMOOTHING
         else 0.0
     )
+    across = section_error(problem, u)
     if report.rounds:
         result.qoi["estimated_error"] = max(
-            report.estimate, report.damping_changes, smoothed
+            report.estimate, report.damping_changes, smoothed, across or 0.0
         )
+    if across is not None:
+        result.qoi["estimated_error_section"] = across
+        if across > LARGE:
+            result.warnings.append(
+                f"{plan.scene.origin.at(KEY)}: packed_bed.section.rings = "
+                f"{at(plan.scene, KEY)}: the error across the flow is about "
+                f"{across:.1%} of what changes in the bed: use more rings"
+            )
     if report.stopped:
         result.warnings.append(
             "no solution was found on the last, finer mesh; results are "

@@ -232,6 +232,30 @@ def test_order_across(shape):
     assert iterations < 7  # the Jacobian is exact
 
 
+@pytest.mark.parametrize("shape", ["tube", "plane", "duct"])
+def test_the_error_of_rings_is_estimated(shape):
+    """Against the series of the section, in a short bed: within a third. What a duct
+    lacks to T_WALL is the square of that between planes.
+    """
+    length, wall = 0.2, 50.0
+    scene = heated(4 if shape == "duct" else 8, shape, wall)
+    scene["mesh"]["length"], scene["output"]["positions"] = length, [length]
+    result = solved(scene)
+    exact = mixed("tube" if shape == "tube" else "plane", wall, length)
+    if shape == "duct":
+        exact = T_WALL + (exact - T_WALL) ** 2 / (T - T_WALL)
+    wrong = abs(result.qoi["T_fluid_out_K"] - exact) / (exact - T)
+    assert wrong > 1e-3
+    assert result.qoi["estimated_error_section"] == approx(wrong, rel=1 / 3)
+
+
+def test_too_few_rings_bring_a_warning():
+    scene = heated(4)
+    scene["mesh"]["length"], scene["output"]["positions"] = 0.02, [0.02]
+    warnings = solved(scene).warnings
+    assert any("rings = 4: the error across the flow is" in text for text in warnings)
+
+
 @pytest.mark.parametrize("degree", [1, 2])
 def test_order_along(degree):
     """Polynomials of degree p: order p + 1 of all fields, against a fine line with the
