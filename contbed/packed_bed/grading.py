@@ -117,7 +117,7 @@ def _graded(
         if direction != axis and thermal:
             layers += [
                 (position, max(width, 1e-3 * extent))
-                for width in _wall_layers(scene, medium, velocity, solid)
+                for width in wall_layers(scene, medium, velocity, solid)
             ]
     if mesh.cells is not None:
         cells = mesh.cells[direction]
@@ -126,7 +126,7 @@ def _graded(
     return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
 
 
-def _wall_layers(
+def wall_layers(
     scene: s.Scene, medium: Medium, velocity: Any, solid: Any
 ) -> tuple[float, float]:
     """Return the widths of the flow layer on a wall [m].

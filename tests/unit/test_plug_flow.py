@@ -1,9 +1,11 @@
 """Where the flow of a mesh file is plug flow: no wall may stand in its way."""
 
 import math
+import re
 from itertools import pairwise
 
 import numpy as np
+import pytest
 import skfem
 from pytest import approx
 
@@ -268,3 +270,52 @@ def test_a_cone_is_not_along_the_flow(tmp_path):
         "neither along nor across",
         lambda: plan(tube(tmp_path, "Cone(1) = {0, 0, 0, 0, 0, 0.08, 0.03, 0.028};")),
     )
+
+
+CHANNEL = """
+Point(1) = {{0, 0, 0, {size}}};
+Point(2) = {{0.2, 0, 0, {size}}};
+Point(3) = {{0.2, 0.04, 0, {size}}};
+Point(4) = {{0, 0.04, 0, {size}}};
+Line(1) = {{1, 2}};
+Line(2) = {{2, 3}};
+Line(3) = {{3, 4}};
+Line(4) = {{4, 1}};
+Curve Loop(1) = {{1, 2, 3, 4}};
+Plane Surface(1) = {{1}};
+Physical Curve("walls") = {{1, 3}};
+Physical Curve("right") = {{2}};
+Physical Curve("left") = {{4}};
+Physical Surface("bed") = {{1}};
+"""
+BETWEEN_WALLS = """
+mesh = { type = "file", file = "channel.geo" }
+gas = { density = 1.0, viscosity = 2e-5 }
+packed_bed.porosity = 0.4
+solids.balls.diameter = "3 mm"
+closures = { permeability = 1e-8, forchheimer = 0 }
+boundary.left.gas.velocity = 0.1
+boundary.walls.type = "no_slip"
+"""
+
+
+@pytest.mark.parametrize("size", [0.01, 0.005])
+def test_cells_that_miss_the_layer_at_a_wall_bring_a_warning(tmp_path, size):
+    """Against the closed form of Brinkman's flow between planes, to a third: where the
+    flow enters it is that of the scene also beside the walls.
+    """
+    (tmp_path / "channel.geo").write_text(CHANNEL.format(size=size))
+    (tmp_path / "scene.toml").write_text(BETWEEN_WALLS)
+    result = cb.run(cb.load(tmp_path / "scene.toml", trust=True))
+    heights = 0.02 / math.sqrt(1e-8 / 0.4)  # over the thickness of the layer
+    exact = 2e-5 / 1e-8 * 0.1 * 0.2 / (1.0 - math.tanh(heights) / heights)
+    wrong = result.qoi["pressure_drop_Pa"] / exact - 1.0
+    (text,) = [each for each in result.warnings if "boundary.walls: the layer" in each]
+    told = float(re.search(r"about ([0-9.]+)% too high", text)[1]) / 100.0
+    assert told == approx(wrong, rel=1 / 3) and wrong > 0.01
+
+
+def test_thin_cells_at_walls_bring_no_warning(tmp_path):
+    (tmp_path / "channel.geo").write_text(CHANNEL.format(size=0.0015))
+    (tmp_path / "scene.toml").write_text(BETWEEN_WALLS)
+    assert not cb.run(cb.load(tmp_path / "scene.toml", trust=True)).warnings
