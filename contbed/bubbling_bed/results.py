@@ -297,18 +297,14 @@ def _freeboard(
         "ejected_kg_m2s": ejected,
         "carryover_kg_s": part.section * values["carryover"],
     }
-    feeds = [item.inert_feed for item in computed.scene.present.values()]
-    fed = sum(feed.mass_flow or 0.0 for feed in feeds if feed is not None)
+    fed = sum(item.fed_solids for item in computed.scene.present.values())
     sized = any(item.sizes is not None for item in computed.scene.present.values())
-    if (
-        not sized
-        and computed.chemistry is None
-        and part.section * values["carryover"] > fed
-    ):
+    if not sized and part.section * values["carryover"] > fed:
         result.warnings.append(
             f"gas carries away {part.section * values['carryover']:.3g} kg/s of "
             "particles, "
-            f"{fed:.3g} kg/s are fed: give solids.NAME.sizes"
+            f"{fed:.3g} kg/s are fed: give solids.NAME.sizes, or solids.NAME.feed for "
+            "what replaces them"
         )
     if values["carryover"] > ejected:
         result.warnings.append(

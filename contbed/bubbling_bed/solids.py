@@ -208,6 +208,16 @@ class Solid(SolidPhase):
         return self
 
     @property
+    def fed_solids(self) -> float:
+        """What its feed brings of particles that stay in the bed until they are carried
+        away or drained: all of it, of a fuel its ash [kg/s].
+        """
+        fed = 0.0 if self.feed is None else self.feed.mass_flow or 0.0
+        if self.fuel is None:
+            return fed
+        return fed * (1.0 - self.fuel.moisture) * self.fuel.ash
+
+    @property
     def inert_feed(self) -> Feed | None:
         """The feed of particles that stay what they are."""
         reacts = self.fuel is not None or self.limestone is not None

@@ -83,7 +83,8 @@ class Bubbles(Table):
     exchange: ExchangeOrClosure = "bubble_heat_kunii_levenspiel"
     """with the gas of the emulsion, per volume of bubbles"""
     gas_exchange: RateOrClosure = "gas_exchange_sit_grace"
-    """of gas with the emulsion, where it reacts"""
+    """of all gases with the emulsion, where they react, with the diffusivity of oxygen in
+    nitrogen"""
     size: LengthOrClosure = "bubble_growth_mori_wen"
     """diameter, or how it grows"""
     start: LengthOrClosure = "bubble_start_porous_plate"

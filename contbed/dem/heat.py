@@ -238,7 +238,7 @@ def radiation_conductance(
         G_ij = 4 sigma e T^3 pi d^2 (1 - eps) (1/n_i + 1/n_j)/2
 
     with n the number of neighbours and the fluid at the temperature of the particle;
-    other pairs get 0.
+    other pairs get 0. In a vacuum, eps = 0 here, neighbours are all that is seen.
     """
     seen = pairs.distance <= VIEW * d_p
     n = np.maximum(_gather(count, pairs, 1.0 * seen, 1.0 * seen), 1.0)

@@ -108,7 +108,7 @@ def _conductances(plan: ParticlePlan, pairs: heat.Pairs, k: float) -> dict[str, 
             scene.radiation.temperature,
             d,
             emissivity,
-            plan.porosity,
+            0.0 if scene.gas is None else plan.porosity,
         )
     return parts
 

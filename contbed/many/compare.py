@@ -17,7 +17,7 @@ from contbed.errors import ContbedError, SceneError
 from contbed.fields import labelled
 from contbed.loading import load
 from contbed.many.tables import aligned, write_rows
-from contbed.models import names
+from contbed.models import MODELS, names
 from contbed.output.common_results import Value, common_results
 from contbed.output.folder import prepare_study
 from contbed.output.progress import say
@@ -158,9 +158,14 @@ def compare(
     chosen = several(models)
     unknown = [model for model in chosen if model not in names()]
     if unknown:
-        raise SceneError(
-            f"--models: {unknown[0]!r}: unknown choice; {nearest(unknown[0], names())}"
-        )
+        name = unknown[0]
+        text = f"unknown choice; {nearest(name, names())}"
+        if name in MODELS:
+            kind = MODELS[name]
+            text = (
+                f"it is a {kind.name} by {kind.decides}, which one file has or has not"
+            )
+        raise SceneError(f"--models: {name!r}: {text}")
     given = dict(overrides or {})
     scenes = {
         model: load(

@@ -30,6 +30,7 @@ from contbed.scene.units import (
     base_value,
     counts_per_time,
     factor_and_offset,
+    is_unit,
     number_and_unit,
 )
 
@@ -140,7 +141,10 @@ def formulas_can_be_read(
             continue
         found = factor_and_offset(table.unit, wanted)
         if found is None:
-            text = f"is no unit of a rate per {basis}; give one such as {wanted}"
+            what = (
+                f"no unit of a rate per {basis}" if is_unit(table.unit) else "unknown"
+            )
+            text = f"is {what}; give one such as {wanted}"
             yield ("reactions", name, "unit"), text
         elif found[0] != 1.0:
             for key in _rate_constants(table.parameters):

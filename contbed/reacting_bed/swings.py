@@ -2,7 +2,8 @@
 
     swing of a cell = max_c T - largest mean of the cell and its neighbours
 
-and the same below, where the jump at an end of the cell is as large as counts. A peak
+and the same below, where the jump at an end of the cell is as large as counts; beside
+the first cell is the gas that enters. A peak
 that is resolved has no jumps, and a jump of flat cells is no swing. Sums over a cell are
 right whatever swings.
 """
@@ -15,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contbed.arrays import Array
-from contbed.reacting_bed.equations.unknowns import TEMPERATURES
+from contbed.reacting_bed.equations.unknowns import TEMPERATURES, Role
 from contbed.reacting_bed.problem import Problem
 
 LARGE = 0.03  # of the span of the temperature, above which a swing and a jump count
@@ -32,22 +33,33 @@ class Swing(NamedTuple):
 
 def largest_swing(problem: Problem, u: Array, time: float = math.nan) -> Swing:
     """Return the largest swing of the temperatures of a state that counts."""
-    T, line = u[problem.rows(*TEMPERATURES)], problem.line
+    rows, line = problem.rows(*TEMPERATURES), problem.line
+    T = u[rows]
     if not T.size:
         return Swing()
     mean, shown = T @ line.weights, T @ line.sampled.T
     beside = np.pad(mean, ((0, 0), (1, 1)), mode="edge")
+    of_gas = np.isin(rows, problem.rows(*_with_the_gas(problem)))
+    beside[of_gas, 0] = problem.streams.T_gas
     around = np.stack([beside[:, :-2], mean, beside[:, 2:]])
     beyond = np.maximum(
         shown.max(axis=2) - around.max(axis=0), around.min(axis=0) - shown.min(axis=2)
     )
     jumps = np.abs(shown[:, 1:, 0] - shown[:, :-1, -1])
     at_ends = np.pad(jumps, ((0, 0), (1, 1)))
+    at_ends[of_gas, 0] = np.abs(shown[of_gas, 0, 0] - problem.streams.T_gas)
     jump = np.maximum(at_ends[:, :-1], at_ends[:, 1:])
     counts = np.minimum(beyond, jump) > LARGE * max(float(np.ptp(mean)), LEAST_SPAN)
     swing = np.where(counts, beyond, 0.0).max(axis=0)
     cell = int(swing.argmax())
     return Swing(float(swing[cell]), float(line.points[cell].mean()), time)
+
+
+def _with_the_gas(problem: Problem) -> tuple[Role, ...]:
+    """Return the temperatures that enter the first cell with the gas."""
+    if problem.bed.velocity_solid:
+        return (Role.T_GAS,)
+    return (Role.T, Role.T_GAS)
 
 
 def unresolved_front(problem: Problem, found: Swing) -> list[str]:

@@ -59,6 +59,8 @@ def to_si(text: str, unit: str) -> float:
     373.15
     >>> to_si("90 1/min", "1/s"), to_si("90/min", "1/s")
     (1.5, 1.5)
+    >>> round(to_si("2 lbmol/h", "mol/s"), 6)
+    0.251996
     """
     expected = f"expected a {QUANTITIES.get(unit, 'quantity')}"
     if unit != "1":
@@ -128,7 +130,9 @@ def factor_and_offset(name: str, unit: str) -> tuple[float, float] | None:
 def _registry() -> UnitRegistry[float]:
     from pint import UnitRegistry
 
-    return UnitRegistry()
+    registry: UnitRegistry[float] = UnitRegistry()
+    registry.define("pound_mole = 453.59237 * mole = lbmol")
+    return registry
 
 
 def _parse(name: str) -> Unit | None:
@@ -143,6 +147,11 @@ def _parse(name: str) -> Unit | None:
         except Exception:
             continue
     return None
+
+
+def is_unit(name: str) -> bool:
+    """Return whether this is a unit of anything."""
+    return bool(_UNIT.fullmatch(name.removeprefix("1/"))) and _parse(name) is not None
 
 
 def number_and_unit(text: str) -> tuple[float, str]:

@@ -51,19 +51,32 @@ def test_a_swing_is_what_a_polynomial_has_beyond_its_neighbours():
     )
 
 
+def test_a_swing_beside_the_inlet_counts():
+    """The first cell falls from 40 K above the gas that enters to its temperature; its
+    mean is 40/3 K above.
+    """
+    problem = bed(3)
+    T = problem.streams.T_gas
+    u = with_temperature(
+        problem, lambda xi, cell: T + (cell == 0) * 40.0 * (1.0 - xi) ** 2
+    )
+    assert largest_swing(problem, u).size == pytest.approx(80.0 / 3.0, rel=1e-10)
+
+
 @pytest.mark.parametrize(
     "of",
     [
         # a peak without jumps at the ends of its cell
-        lambda xi, cell: 300.0 + (cell == 1) * 400.0 * xi * (1.0 - xi),
+        lambda xi, cell: 600.0 + (cell == 1) * 400.0 * xi * (1.0 - xi),
         # a jump between flat cells
-        lambda xi, cell: 300.0 + 300.0 * (cell < 1) + 0.0 * xi,
+        lambda xi, cell: 600.0 + 300.0 * (cell < 1) + 0.0 * xi,
         # a slope through all cells
-        lambda xi, cell: 300.0 + 100.0 * (cell + xi),
+        lambda xi, cell: 600.0 + 100.0 * (cell + xi),
     ],
     ids=["peak", "jump", "slope"],
 )
 def test_what_is_resolved_does_not_swing(of):
+    """From the temperature of the gas that enters."""
     problem = bed(3)
     found = largest_swing(problem, with_temperature(problem, of))
     assert not found.size and unresolved_front(problem, found) == []
