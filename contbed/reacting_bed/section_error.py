@@ -16,7 +16,7 @@ from contbed.reacting_bed.problem import Problem
 from contbed.scene.values import with_value
 
 KEY = ("packed_bed", "section", "rings")
-LEAST = 4  # rings of which half tell something
+LEAST = 4  # rings of which half are enough for an estimate
 LARGE = 1e-2  # above which a run warns
 # change of a temperature [K] and share of all gas below which nothing happens
 LEAST_SPAN, LEAST_SHARE = 1.0, 1e-3
