@@ -551,7 +551,6 @@ def test_a_cascade_beside_measured_points(tmp_path, capsys):
     assert command(f"report {tmp_path}/out") == 0
     report = (tmp_path / "out/report.html").read_text()
     assert "75.0% are in the band of 90%" in report
-    assert "at 0.02 m" in [chart["title"] for chart in charts_of(report)]
 
 
 def test_damaged_runs_of_the_bed_are_told(tmp_path):
