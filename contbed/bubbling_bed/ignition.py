@@ -5,6 +5,7 @@ one temperature: hot beds that cool slowly, and gases that mix slowly at first.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,9 @@ HOT = 1500.0  # temperature from which a burning bed is followed last [K]
 # times in which gases mix [s]: flames fill the bed, and flames are fronts that shorter
 # times do not change
 SLOW_MIXING, FAST_MIXING = 3.0, 1e-4
+# the slow one of gases that burn without fuel [s]: they leave the bed within a second,
+# and go out where they mix no faster
+SLOW_IN_GAS = 0.02
 WIDER = 1.2  # times the shortest time of mixing with a state, which is advised
 
 
@@ -65,8 +69,28 @@ def burning_state(problem: Any, T: float, given: bool) -> tuple[Any, list[float]
     raise ConvergenceError(f"{first}; {explained(problem)}", first.history, first.state)
 
 
-def from_slow_mixing(problem: Any, T: float) -> Any:
-    """Return unknowns of a bed that burns, followed from gases that mix slowly.
+def reacting_state(problem: Any, T: float) -> tuple[Any, list[float]]:
+    """Solve a bed that reacts without fuel from one temperature; where gases may burn,
+    by following them from slow mixing first, as their flames may be narrow.
+
+    Raises
+    ------
+    ConvergenceError : no state is found
+    """
+    scene = problem.plan.scene
+    burn = scene.reactions.of_gases and "O2" in problem.chemistry.part.inlet
+    if burn and scene.bubbling_bed.mixing_time < SLOW_IN_GAS:
+        with suppress(ConvergenceError):
+            slow = from_slow_mixing(problem, T, SLOW_IN_GAS)
+            followed: tuple[Any, list[float]] = problem.solve_from(slow, near=True)
+            return followed
+    found: tuple[Any, list[float]] = problem.solve_from(problem.settled(T))
+    return found
+
+
+def from_slow_mixing(problem: Any, T: float, slowest_time: float = SLOW_MIXING) -> Any:
+    """Return unknowns of a bed that burns, followed from gases that mix in
+    `slowest_time` [s].
 
     Flames are then as wide as the bed, and become narrow fronts on the way.
 
@@ -75,13 +99,13 @@ def from_slow_mixing(problem: Any, T: float) -> Any:
     NarrowFlameError : they cannot be followed to the time of mixing of the scene
     ConvergenceError : no state is found for gases that mix slowly either
     """
-    slowest = with_mixing(problem, 1.0)
+    slowest = with_mixing(problem, 1.0, slowest_time)
     state, _ = slowest.solve_from(slowest.settled(T))
-    reached = SLOW_MIXING
+    reached = slowest_time
 
     def follow(left: float, near: Any) -> Any:
         nonlocal reached
-        there = with_mixing(problem, left)
+        there = with_mixing(problem, left, slowest_time)
         x, _ = there.solve_near(near)
         reached = there.plan.scene.bubbling_bed.mixing_time
         return x
@@ -104,14 +128,14 @@ def from_slow_mixing(problem: Any, T: float) -> Any:
         ) from error
 
 
-def with_mixing(problem: Any, left: float) -> Any:
-    """Return a problem with another time in which gases mix: slow at 1, and that of
-    its scene at 0.
+def with_mixing(problem: Any, left: float, slowest_time: float) -> Any:
+    """Return a problem with another time in which gases mix: `slowest_time` [s] at 1,
+    and that of its scene at 0.
     """
     scene, bed = problem.plan.scene, problem.plan.scene.bubbling_bed
     time = bed.mixing_time
     if left > 0.0:
-        time = max(time, FAST_MIXING) ** (1.0 - left) * SLOW_MIXING**left
+        time = max(time, FAST_MIXING) ** (1.0 - left) * slowest_time**left
     slow = bed.model_copy(update={"mixing_time": time})
     changed = scene.model_copy(update={"bubbling_bed": slow})
     return problem.with_scene(changed)

@@ -15,7 +15,7 @@ from contbed.bubbling_bed.burning import burns
 from contbed.bubbling_bed.coefficients import SMOOTHED
 from contbed.bubbling_bed.diagnosis import explain, fluidization, temperatures
 from contbed.bubbling_bed.equations import bed as model
-from contbed.bubbling_bed.ignition import burning_state
+from contbed.bubbling_bed.ignition import burning_state, reacting_state
 from contbed.bubbling_bed.plan import BubblingPlan
 from contbed.bubbling_bed.scene import BubblingScene
 from contbed.bubbling_bed.scene_coefficients import coefficients, typical_numbers
@@ -191,7 +191,7 @@ class BubblingProblem:
         if self.chemistry is None:
             return self.solve_from(self._start(T))
         if not burns(self):
-            return self.solve_from(self.settled(T))
+            return reacting_state(self, T)
         given = guess is not None or "temperature" in initial.model_fields_set
         return burning_state(self, T, given)
 

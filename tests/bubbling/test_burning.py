@@ -8,9 +8,11 @@ import re
 from pathlib import Path
 from types import SimpleNamespace
 
+import cantera as ct
 import numpy as np
 import pytest
 from pytest import approx
+from scipy.optimize import brentq
 
 import contbed
 from contbed.bubbling_bed.burning import (
@@ -27,6 +29,7 @@ from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.bubbling_bed.settling import _no_height
 from contbed.errors import ConvergenceError
+from contbed.loading import loads
 
 FOLDER = Path(__file__).parents[1] / "data" / "first_hour"
 MOLAR_MASS = {"C": 0.012011, "H": 0.001008, "O": 0.015999}
@@ -206,3 +209,43 @@ def test_a_boiler_finds_its_burning_state(name):
     assert result.qoi["ignited"] == 1.0
     assert result.qoi["T_sand_mid_K"] == approx(1021.3168, abs=1e-3)
     assert abs(result.balances["energy"]["relative_residual"]) < 1e-10
+
+
+METHANE_IN_SAND = """
+bubbling_bed.height = 0.8
+bubbling_bed.section = 1.0
+bubbling_bed.solids_fraction = 0.55
+bubbling_bed.bubbles.size = "0.1 m"
+bubbling_bed.tubes = { perimeter = 1.5, coefficient = 250, temperature = 473.15 }
+gas.composition = "CH4:0.06, O2:0.1974, N2:0.7426"
+boundary.bottom.gas = { mass_flow = 0.3, temperature = 298.15 }
+reactions = { CH4_oxidation = {}, CO_oxidation = {} }
+initial.temperature = 1170
+[solids.sand]
+volume_share = 1
+diameter = "0.8 mm"
+density = 2600
+heat_capacity = 1050
+nusselt = "gunn"
+mixing_conductivity = 3e4
+"""
+
+
+@pytest.mark.slow
+def test_gas_that_burns_in_bubbles_is_followed_from_slow_mixing():
+    """All methane burns, and the sand has the temperature of the heat balance by
+    Cantera, to 10 K: bubbles leave with some of the heat.
+    """
+    result = contbed.run(loads(METHANE_IN_SAND))
+    gas = ct.Solution("gri30.yaml")
+    gas.TPX = 298.15, 101325.0, "CH4:0.06, O2:0.1974, N2:0.7426"
+    enters = gas.enthalpy_mass
+
+    def balance(T):
+        burnt = "CO2:0.06, H2O:0.12, O2:0.0774, N2:0.7426"
+        gas.TPX = T, 101325.0, burnt
+        tubes = 250.0 * 1.5 * 0.8 * (T - 473.15)
+        return 0.3 * (enters - gas.enthalpy_mass) - tubes
+
+    assert result.qoi["x_CH4_wet"] < 1e-6
+    assert result.qoi["T_sand_mid_K"] == approx(brentq(balance, 600, 1800), abs=10.0)
