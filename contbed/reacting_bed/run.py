@@ -9,6 +9,7 @@ from typing import Any
 
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed import results, solve, steady_positivity
+from contbed.reacting_bed.feeds import with_cells_of_one_value
 from contbed.reacting_bed.plan import Plan
 from contbed.reacting_bed.problem import Problem, isothermal_drop
 from contbed.reacting_bed.rate_checks import taken_though_absent
@@ -47,11 +48,7 @@ def run(
         it fails
     """
     if plan.scene.time is not None:
-        from contbed.reacting_bed.course import Course
-        from contbed.reacting_bed.transient_run import run_transient
-
-        course = Course.of(plan.scene, plan.problem, plan.schedule, plan.stores_gas)
-        run_transient(course, result, folder, quiet, start)
+        _in_time(plan, result, folder, quiet, start)
         return
     report = solve.Report()
     problem = plan.problem
@@ -121,6 +118,37 @@ def run(
 
         with result.timed("continuation"):
             follow(*whole, result)
+
+
+def _in_time(
+    plan: Plan,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Any, Any] | None,
+) -> None:
+    """Take steps in time, in cells of one value where polynomials turn out to follow
+    fronts that are shorter than a cell in far too many steps.
+    """
+    from contbed.reacting_bed.course import Course
+    from contbed.reacting_bed.transient_run import ShortFrontsError, run_transient
+
+    def run_with(problem: Problem, start: tuple[Any, Any] | None) -> None:
+        course = Course.of(plan.scene, problem, plan.schedule, plan.stores_gas)
+        run_transient(course, result, folder, quiet, start)
+
+    problem = plan.problem
+    if start is not None and start[0]["state"].shape[-1] == 1:
+        problem = with_cells_of_one_value(problem)
+    try:
+        run_with(problem, start)
+    except ShortFrontsError as error:
+        result.warnings.append(
+            f"fronts are shorter than a cell: after {error} by polynomials the run began "
+            "again with one value a cell, as by solver.degree = 0, which spreads fronts "
+            "over a few cells: use more mesh.cells for sharper ones"
+        )
+        run_with(with_cells_of_one_value(problem), None)
 
 
 def _sentence(problem: Problem, error: ConvergenceError) -> str:

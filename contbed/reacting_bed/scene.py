@@ -267,7 +267,8 @@ class Solver(NewtonSolver):
 
     degree: Annotated[Whole | None, Field(ge=0, le=5)] = None
     """degree of the polynomials in a cell; absent: 3, and 0, one value a cell, where
-    nearly all that enters is adsorbed and fills the pores"""
+    nearly all that enters is adsorbed and fills the pores, and where a run in time
+    would take far too many steps, as its fronts are shorter than a cell"""
     tolerance: Fraction = 1e-6
     """target error of all fields for automatic cells, over their spans, in time over
     typical sizes"""

@@ -28,6 +28,14 @@ from contbed.reacting_bed.time_steps import BedSteps, begin, turned
 from contbed.reacting_bed.transient_results import fill
 from contbed.result import Result
 
+# steps in which a run begins, and of which each hundred shows whether its fronts are too
+# short for polynomials: share in which cells were damped, steps to the end at their size
+BEGINS, JUDGED, DAMPED, TOO_MANY = 200, 100, 1 / 3, 20_000
+
+
+class ShortFrontsError(ConvergenceError):
+    """Polynomials follow fronts shorter than a cell in too many steps."""
+
 
 def run_transient(
     course: Course,
@@ -41,6 +49,7 @@ def run_transient(
 
     Raises
     ------
+    ShortFrontsError : cells of one value are far faster; the result is not filled
     ConvergenceError : steps become ever smaller
     SceneError : the checkpoint does not fit the output times
     """
@@ -49,6 +58,7 @@ def run_transient(
     steps = BedSteps(course, report)
     history = begin(fit := fitted(course), fit.start())
     period: Period | None = None
+    creeps = False
     if time.cycle is None and start is not None:
         history = history.resumed(*start).fitted(time, origin)
     try:
@@ -59,16 +69,23 @@ def run_transient(
         ):
             if time.cycle is None:
                 saver.offer(history)
-                begin_of_run = history
+                begin_of_run = judged = history
                 for history in steps.march(begin_of_run):
                     _require_feasible(history, report)
+                    if history.steps >= judged.steps + JUDGED:
+                        creeps = _creeps(course, judged, history)
+                        judged = history
+                        if creeps:
+                            raise ShortFrontsError(
+                                f"{history.steps} steps to t = {history.time:.3g} s", []
+                            )
                     progress.advance_to(history.time)
                     saver.offer(history)
             else:
                 for period in searched(steps, start, saver.offer, progress.advance_to):
                     history = period.history
                 _require_feasible(history, report)
-    except _Infeasible:
+    except (_Infeasible, ShortFrontsError):
         raise
     except ConvergenceError as error:
         advice = _advice(course.on(history), history)
@@ -79,7 +96,7 @@ def run_transient(
         ) from None
     finally:
         result.history += report.history[-50:]
-        if history.steps:
+        if history.steps and not creeps:
             fill(course, history, result)
         if period is not None:
             result.qoi |= cycle_findings(course, period)
@@ -95,6 +112,21 @@ def run_transient(
             report.history,
             history.state,
         )
+
+
+def _creeps(course: Course, before: BedHistory, now: BedHistory) -> bool:
+    """Return whether fronts are shorter than a cell and polynomials, which the scene
+    does not ask for, follow them in far too many steps.
+    """
+    scene = course.scene
+    if scene.solver.degree is not None or not course.problem.line.degree:
+        return False
+    if course.rounds or before.steps < BEGINS:
+        return False
+    steps = now.steps - before.steps
+    damped = now.steps_damped - before.steps_damped
+    left = (course.time.end - now.time) / (now.time - before.time) * steps
+    return damped > DAMPED * steps and left > TOO_MANY
 
 
 def _require_feasible(history: BedHistory, report: solve.Report) -> None:

@@ -11,6 +11,7 @@ from several_solids import split, split_pellets
 
 import contbed
 from contbed.loading import from_dict
+from contbed.reacting_bed import transient_run
 from contbed.reacting_bed.time_steps import BedSteps
 from tests.restarts import interrupt, same_run
 from tests.scene_text import set_keys
@@ -174,3 +175,30 @@ def test_restart_of_beds_goes_on_bit_for_bit(tmp_path, given):
     whole = contbed.run(given)
     interrupt(given, tmp_path / "a", *STOP)
     same_run(contbed.run(given, out=tmp_path / "b", restart=tmp_path / "a"), whole)
+
+
+@pytest.fixture
+def creeping(monkeypatch):
+    """Let runs by polynomials creep after ten steps."""
+    for name, value in {
+        "BEGINS": 5,
+        "JUDGED": 5,
+        "DAMPED": -1.0,
+        "TOO_MANY": 0,
+    }.items():
+        monkeypatch.setattr(transient_run, name, value)
+
+
+def test_a_run_that_creeps_begins_again_with_one_value_a_cell(creeping, tmp_path):
+    """It is the run of solver.degree = 0 then, also when it is stopped and resumed."""
+    given = from_dict(scene())
+    found = contbed.run(given)
+    flat = scene()
+    set_keys(flat, "solver.degree = 0")
+    by_hand = contbed.run(from_dict(flat))
+    assert found.qoi == by_hand.qoi
+    assert "began again with one value a cell" in found.warnings[-1]
+    assert not any("began again" in text for text in by_hand.warnings)
+    owner, name, _ = STOP
+    interrupt(given, tmp_path / "a", owner, name, 40)
+    same_run(contbed.run(given, out=tmp_path / "b", restart=tmp_path / "a"), found)
