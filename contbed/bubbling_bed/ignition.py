@@ -23,6 +23,7 @@ SLOW_MIXING, FAST_MIXING = 3.0, 1e-4
 # the slow one of gases that burn without fuel [s]: they leave the bed within a second,
 # and go out where they mix no faster
 SLOW_IN_GAS = 0.02
+COLD = 600.0  # temperature of a bed [K] in which lime does not give off gas yet
 WIDER = 1.2  # times the shortest time of mixing with a state, which is advised
 
 
@@ -70,8 +71,9 @@ def burning_state(problem: Any, T: float, given: bool) -> tuple[Any, list[float]
 
 
 def reacting_state(problem: Any, T: float) -> tuple[Any, list[float]]:
-    """Solve a bed that reacts without fuel from one temperature; where gases may burn,
-    by following them from slow mixing first, as their flames may be narrow.
+    """Solve a bed that reacts without fuel from one temperature, or else from a colder
+    one, in which particles do not give off gas at once; where gases may burn, by
+    following them from slow mixing first, as their flames may be narrow.
 
     Raises
     ------
@@ -84,7 +86,15 @@ def reacting_state(problem: Any, T: float) -> tuple[Any, list[float]]:
             slow = from_slow_mixing(problem, T, SLOW_IN_GAS)
             followed: tuple[Any, list[float]] = problem.solve_from(slow, near=True)
             return followed
-    found: tuple[Any, list[float]] = problem.solve_from(problem.settled(T))
+    try:
+        found: tuple[Any, list[float]] = problem.solve_from(problem.settled(T))
+    except ConvergenceError as error:
+        with suppress(ConvergenceError):
+            from_below: tuple[Any, list[float]] = problem.solve_from(
+                problem.settled(min(T, COLD))
+            )
+            return from_below
+        raise error
     return found
 
 

@@ -249,3 +249,42 @@ def test_gas_that_burns_in_bubbles_is_followed_from_slow_mixing():
 
     assert result.qoi["x_CH4_wet"] < 1e-6
     assert result.qoi["T_sand_mid_K"] == approx(brentq(balance, 600, 1800), abs=10.0)
+
+
+LIME_IN_A_HEATED_BED = """
+bubbling_bed.height = 1.0
+bubbling_bed.section = 1.0
+bubbling_bed.solids_fraction = 0.55
+bubbling_bed.bubbles.size = 0.1
+bubbling_bed.walls = { perimeter = 10, coefficient = 350, temperature = 1323.15 }
+bubbling_bed.drain = { time = "3 h", end = "bottom" }
+gas.material = "air"
+boundary.bottom.gas = { mass_flow = 0.25, temperature = 473.15 }
+reactions.calcination = {}
+[solids.lime]
+volume_share = 1
+diameter = "0.6 mm"
+density = 2300
+heat_capacity = 1000
+nusselt = "gunn"
+mixing_conductivity = 3e4
+feed = { mass_flow = 0.1, temperature = 298.15, height = 0.5, width = 0.1 }
+limestone.purity = 0.97
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("T", [600.0, 1123.0])
+def test_a_bed_of_lime_is_found_from_below_where_lime_gives_off_its_gas(T):
+    """Calcination needs 178 kJ/mol at 298 K; walls give it with the heat of gas and
+    solids, to 4 % by constant heat capacities of 1130 and 1000 J/kg/K.
+    """
+    text = f"initial.temperature = {T}\n{LIME_IN_A_HEATED_BED}"
+    found = contbed.run(loads(text)).qoi
+    lime = 0.97 * 0.1 / 0.100087 * found["calcined"]
+    bed = found["T_lime_mid_K"]
+    needs = lime * 178e3 + 0.25 * 1130.0 * (bed - 473.15)
+    needs += (0.1 - 0.044 * lime) * 1000.0 * (bed - 298.15)
+    needs += lime * 49.0 * (bed - 298.15)  # of the carbon dioxide
+    assert found["calcined"] > 0.99
+    assert -found["walls_convection_W"] == approx(needs, rel=0.04)
