@@ -190,16 +190,16 @@ def allowed(node: Node) -> str:
     """Return the permitted values in words: "> 0 m", "'line' or 'box'", "a
     number >= 0, a closure's name".
     """
-    if values := choices(node):
-        return " or ".join(json.dumps(value) for value in values)
     ways = options(node)
     named = any(is_closure(way) or is_closure_file(way) for way in ways)
     text = "a closure's name" if named else "a text"
-    return ", or ".join(
-        dict.fromkeys(
-            text if way.get("type") == "string" else _one(way) for way in ways
-        )
-    )
+    found = [
+        text if way.get("type") == "string" else _one(way)
+        for way in ways
+        if "enum" not in way and "const" not in way
+    ]
+    values = " or ".join(json.dumps(value) for value in choices(node))
+    return ", or ".join(dict.fromkeys([*found, *filter(None, [values])]))
 
 
 def _one(option: Node) -> str:

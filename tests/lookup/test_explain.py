@@ -110,3 +110,15 @@ def test_a_rate_law_shows_its_equation_and_source():
     assert "dX/dt = 3 q^2/(3 q^2 tau_film + 6 q (1 - q) tau_ash + tau_reaction)" in text
     assert "Levenspiel" in text
     assert "r2 = k2 (p_CO p_H2O" in explain("xu_froment_shift")
+
+
+def test_all_ways_in_which_a_value_may_be_written_are_shown():
+    """A number beside names, a text beside a table, and a closure as such."""
+    ways = {
+        "gas.diffusivity": 'a number > 0 m**2/s, or "cantera" or "fuller"',
+        "boundary.NAME.gas.composition": "allowed: a text, or a table with times",
+        "closures.nusselt": "a number >= 0, or a closure's name",
+        "reactions.NAME.A": "allowed: a number >= 0, or a text",
+    }
+    for key, shown in ways.items():
+        assert shown in explain(key)
