@@ -138,7 +138,8 @@ def _in_time(
         run_transient(course, result, folder, quiet, start)
 
     problem = plan.problem
-    if start is not None and start[0]["state"].shape[-1] == 1:
+    in_periods = plan.scene.time is not None and plan.scene.time.cycle is not None
+    if start is not None and not in_periods and start[0]["state"].shape[-1] == 1:
         problem = with_cells_of_one_value(problem)
     try:
         run_with(problem, start)
