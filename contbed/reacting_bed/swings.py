@@ -3,7 +3,7 @@
     swing of a cell = max_c T - largest mean of the cell and its neighbours
 
 and the same below, where the jump at an end of the cell is as large as counts; beside
-the first cell is the gas that enters. A peak
+the cell at the inlet is the gas that enters. A peak
 that is resolved has no jumps, and a jump of flat cells is no swing. Sums over a cell are
 right whatever swings.
 """
@@ -40,14 +40,15 @@ def largest_swing(problem: Problem, u: Array, time: float = math.nan) -> Swing:
     mean, shown = T @ line.weights, T @ line.sampled.T
     beside = np.pad(mean, ((0, 0), (1, 1)), mode="edge")
     of_gas = np.isin(rows, problem.rows(*_with_the_gas(problem)))
-    beside[of_gas, 0] = problem.streams.T_gas
+    first = 0 if problem.streams.ahead else -1
+    beside[of_gas, first] = problem.streams.T_gas
     around = np.stack([beside[:, :-2], mean, beside[:, 2:]])
     beyond = np.maximum(
         shown.max(axis=2) - around.max(axis=0), around.min(axis=0) - shown.min(axis=2)
     )
     jumps = np.abs(shown[:, 1:, 0] - shown[:, :-1, -1])
     at_ends = np.pad(jumps, ((0, 0), (1, 1)))
-    at_ends[of_gas, 0] = np.abs(shown[of_gas, 0, 0] - problem.streams.T_gas)
+    at_ends[of_gas, first] = np.abs(shown[of_gas, first, first] - problem.streams.T_gas)
     jump = np.maximum(at_ends[:, :-1], at_ends[:, 1:])
     counts = np.minimum(beyond, jump) > LARGE * max(float(np.ptp(mean)), LEAST_SPAN)
     swing = np.where(counts, beyond, 0.0).max(axis=0)
@@ -56,7 +57,7 @@ def largest_swing(problem: Problem, u: Array, time: float = math.nan) -> Swing:
 
 
 def _with_the_gas(problem: Problem) -> tuple[Role, ...]:
-    """Return the temperatures that enter the first cell with the gas."""
+    """Return the temperatures that enter with the gas."""
     if problem.bed.velocity_solid:
         return (Role.T_GAS,)
     return (Role.T, Role.T_GAS)

@@ -4,6 +4,8 @@ particles hold is shown as they hold it.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from adsorption_scenes import DENSITY, EPS, adsorber
@@ -51,16 +53,24 @@ def test_a_swing_is_what_a_polynomial_has_beyond_its_neighbours():
     )
 
 
-def test_a_swing_beside_the_inlet_counts():
-    """The first cell falls from 40 K above the gas that enters to its temperature; its
-    mean is 40/3 K above.
+@pytest.mark.parametrize("ahead", [True, False])
+def test_a_swing_beside_the_inlet_counts(ahead):
+    """The cell there falls from 40 K above the gas that enters to its temperature; its
+    mean is 40/3 K above. The same at the outlet is no swing, where nothing enters.
     """
     problem = bed(3)
-    T = problem.streams.T_gas
-    u = with_temperature(
-        problem, lambda xi, cell: T + (cell == 0) * 40.0 * (1.0 - xi) ** 2
+    flux = abs(problem.streams.mass_flux) * (1.0 if ahead else -1.0)
+    streams = replace(problem.streams, mass_flux=flux)
+    problem = replace(problem, streams=streams)
+    left = with_temperature(
+        problem, lambda xi, cell: 600.0 + (cell == 0) * 40.0 * (1.0 - xi) ** 2
     )
-    assert largest_swing(problem, u).size == pytest.approx(80.0 / 3.0, rel=1e-10)
+    right = with_temperature(
+        problem, lambda xi, cell: 600.0 + (cell == 2) * 40.0 * xi**2
+    )
+    inlet, outlet = (left, right) if ahead else (right, left)
+    assert largest_swing(problem, inlet).size == pytest.approx(80.0 / 3.0, rel=1e-10)
+    assert not largest_swing(problem, outlet).size
 
 
 @pytest.mark.parametrize(
