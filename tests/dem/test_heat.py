@@ -10,7 +10,9 @@ import pytest
 from pytest import approx
 from scipy.special import gamma
 
+import contbed as cb
 from contbed.dem import heat, heat_impact, heat_pair
+from contbed.loading import loads
 
 CUBE = ([0.0] * 3, [1.0] * 3)
 CLOSED = (True, True, True)
@@ -270,3 +272,22 @@ def test_mechanisms_add_up_and_need_their_faces():
     }
     with pytest.raises(ValueError, match="Voronoi faces"):
         heat.conductances(pairs, 0.1, heat.Conduction(10.0, 1.0, paths="columns"))
+
+
+VACUUM = """
+particles.lattice = { type = "sc", contact_radius = "20 um" }
+solids.balls = { diameter = "10 mm", conductivity = 20, emissivity = 0.8 }
+"""
+
+
+def test_neighbours_are_all_that_is_seen_in_a_vacuum():
+    """Each pair conducts 4 sigma T^3 e pi d^2 over the number of neighbours that a ball
+    sees within 1.5 d. Of a simple cubic lattice these are 6 at d and 12 at sqrt(2) d, of
+    which 1 + 4 pairs of each ball cross a plane: k_r = 5/18 pi e 4 sigma T^3 d.
+    """
+    k = [
+        cb.run(loads(VACUUM + more)).qoi["k_eff [W/m/K]"]
+        for more in ("", 'radiation = { temperature = "800 K" }')
+    ]
+    per_factor = 4.0 * heat.STEFAN_BOLTZMANN * 800.0**3 * 0.01
+    assert k[1] - k[0] == approx(per_factor * 0.8 * np.pi * 5.0 / 18.0, rel=1e-6)
