@@ -31,7 +31,7 @@ def missed_layers(plan: Any) -> Iterator[str]:
     """Yield a warning where the pressure drop is too high by what the cells at walls
     lack.
     """
-    if plan.plug or not isinstance(plan.scene.mesh, MeshFile):
+    if not isinstance(plan.scene.mesh, MeshFile):
         return
     walls = [name for name, kind in plan.roles.items() if kind == "no_slip"]
     layer = min(wall_layers(plan.scene, plan.medium, *velocities(plan.scene)))

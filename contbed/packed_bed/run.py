@@ -10,7 +10,6 @@ from typing import Any
 from contbed.balance import Balance
 from contbed.fem.probe import Line, line_along
 from contbed.fields import distinct
-from contbed.packed_bed.missed_layers import missed_layers
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.pressure import compressed
 from contbed.packed_bed.run_parts import (
@@ -53,7 +52,10 @@ def run(
     ConvergenceError : Newton or the time steps fail
     """
     _solve(plan, result, folder, quiet, start)
-    result.warnings += missed_layers(plan)
+    if not plan.plug:
+        from contbed.packed_bed.missed_layers import missed_layers
+
+        result.warnings += missed_layers(plan)
     drop = result.qoi.get("pressure_drop_Pa")
     if drop is not None and (text := compressed(plan, drop)):
         result.warnings.append(text)
