@@ -79,10 +79,7 @@ def to_si(text: str, unit: str) -> float:
             f"'{match[1]} {unit}'"
         )
     name = f"1{name}" if name.startswith("/") else name
-    readable = _UNIT.fullmatch(name.removeprefix("1/")) and not _LARGE_POWER.search(
-        name
-    )
-    found = _parse(name) if readable else None
+    found = _parse(name) if _readable(name) else None
     if found is None:
         if fraction := _FRACTION.fullmatch(text):
             whole, over, under, rest = fraction.groups()
@@ -149,9 +146,20 @@ def _parse(name: str) -> Unit | None:
     return None
 
 
+def _readable(name: str) -> bool:
+    """Return whether the parser may read the name of a unit."""
+    return bool(
+        _UNIT.fullmatch(name.removeprefix("1/")) and not _LARGE_POWER.search(name)
+    )
+
+
 def is_unit(name: str) -> bool:
-    """Return whether this is a unit of anything."""
-    return bool(_UNIT.fullmatch(name.removeprefix("1/"))) and _parse(name) is not None
+    """Return whether this is a unit of anything.
+
+    >>> is_unit("lbmol/lb/s"), is_unit("foo/s"), is_unit("m**1000")
+    (True, False, False)
+    """
+    return _readable(name) and _parse(name) is not None
 
 
 def number_and_unit(text: str) -> tuple[float, str]:
@@ -162,11 +170,7 @@ def number_and_unit(text: str) -> tuple[float, str]:
     """
     match = _QUANTITY.fullmatch(text)
     name = "" if match is None else match[2]
-    if (
-        not match
-        or not _UNIT.fullmatch(name.removeprefix("1/"))
-        or _LARGE_POWER.search(name)
-    ):
+    if not match or not _readable(name):
         raise ValueError(
             f"expected a number with a unit like '49 kJ/mol', found '{text[:60]}'"
         )
