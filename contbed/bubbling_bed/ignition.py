@@ -1,5 +1,5 @@
-"""Ways to the burning state of a bed of fuel, which Newton's method does not reach from
-one temperature: hot beds that cool slowly, and gases that mix slowly at first.
+"""Ways to the state of a bed that reacts, which Newton's method does not reach from one
+temperature: hot beds that cool slowly, gases that mix slowly at first, and cold beds.
 """
 
 from __future__ import annotations
@@ -80,21 +80,22 @@ def reacting_state(problem: Any, T: float) -> tuple[Any, list[float]]:
     ConvergenceError : no state is found
     """
     scene = problem.plan.scene
+    found: tuple[Any, list[float]]
     burn = scene.reactions.of_gases and "O2" in problem.chemistry.part.inlet
     if burn and scene.bubbling_bed.mixing_time < SLOW_IN_GAS:
         with suppress(ConvergenceError):
             slow = from_slow_mixing(problem, T, SLOW_IN_GAS)
-            followed: tuple[Any, list[float]] = problem.solve_from(slow, near=True)
-            return followed
+            found = problem.solve_from(slow, near=True)
+            return found
     try:
-        found: tuple[Any, list[float]] = problem.solve_from(problem.settled(T))
-    except ConvergenceError as error:
+        found = problem.solve_from(problem.settled(T))
+    except ConvergenceError:
+        if T <= COLD:
+            raise
         with suppress(ConvergenceError):
-            from_below: tuple[Any, list[float]] = problem.solve_from(
-                problem.settled(min(T, COLD))
-            )
-            return from_below
-        raise error
+            found = problem.solve_from(problem.settled(COLD))
+            return found
+        raise
     return found
 
 

@@ -10,7 +10,6 @@ own, of first order in mass (`single_particle/scene.py`).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -139,17 +138,20 @@ class Case:
         from contbed.scene.units import exponents, to_si, unit_with
 
         wanted = unit_with(exponents(f"({unit})*(m**3/mol)**({order})"))
-        A = -1.0
-        with suppress(ValueError):  # published with the unit of T^b
-            A = to_si(given, f"{wanted}/K**({self.table.b})")
-        try:
-            A = A if A >= 0.0 else to_si(given, wanted)
-        except ValueError as error:
+        A, said = None, ""
+        # published with the unit of T^b, or without it
+        for each in (f"{wanted}/K**({self.table.b})", wanted):
+            try:
+                A = to_si(given, each)
+                break
+            except ValueError as error:
+                said = str(error)
+        if A is None:
             raise SceneError(
-                f"reactions.{self.name}.A: {error}; it multiplies concentrations to "
+                f"reactions.{self.name}.A: {said}; it multiplies concentrations to "
                 f"the order {order:g}: for others, such as partial pressures, give a "
                 "formula, rate = ..."
-            ) from None
+            )
         if A < 0.0:
             raise SceneError(f"reactions.{self.name}.A: '{given}' is below 0")
         return A

@@ -100,8 +100,8 @@ def checked(model: type[_Table], entry: Mapping[str, Any], say: Say) -> _Table |
 def unit_of(name: str, given: Any = None) -> str | None:
     """Return the SI unit of a dotted key; None if it has none or is not known.
 
-    A constant of a formula or rate law has that of the text which its scene gives, "3 1/h"; a plain
-    number has none, as it counts in the unit of the formula or in SI.
+    A constant of a formula or rate law has that of the text which its scene gives,
+    "3 1/h"; a plain number has none, as it counts in the unit of the formula or in SI.
     """
     try:
         path = parse_key(name)

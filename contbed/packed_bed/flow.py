@@ -92,11 +92,11 @@ class Flow:
 
 def constant_normal(mesh: Mesh, boundary: str) -> Any:
     """Return the outward unit normal of a plane boundary; None if it is not plane."""
-    normals = _normals(mesh, boundary)
+    normals = unit_normals(mesh, boundary)
     return normals[0] if np.abs(normals - normals[0]).max() < PARALLEL else None
 
 
-def _normals(mesh: Mesh, boundary: str) -> Any:
+def unit_normals(mesh: Mesh, boundary: str) -> Any:
     """Return the outward unit normals of the facets of a boundary, one a row."""
     normals = outward_normals(mesh.skfem, mesh.skfem.boundaries[boundary])
     return normals / np.linalg.norm(normals, axis=1, keepdims=True)
@@ -157,7 +157,7 @@ def slip_axis(mesh: Mesh, boundary: str) -> int:
     ------
     SceneError : it is no plane along the coordinate axes
     """
-    normals = np.abs(_normals(mesh, boundary))
+    normals = np.abs(unit_normals(mesh, boundary))
     axis = int(np.argmax(normals[0]))
     if np.delete(normals, axis, axis=1).max(initial=0.0) > PARALLEL:
         raise SceneError(

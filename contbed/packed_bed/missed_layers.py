@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 
 from contbed.arrays import Array
-from contbed.packed_bed.curved_inlet import outward_normals
+from contbed.mesh.mesh import Mesh
+from contbed.packed_bed.flow import unit_normals
 from contbed.packed_bed.grading import wall_layers
 from contbed.packed_bed.recognition import velocities
 from contbed.scene.mesh import MeshFile
@@ -35,7 +36,7 @@ def missed_layers(plan: Any) -> Iterator[str]:
         return
     walls = [name for name, kind in plan.roles.items() if kind == "no_slip"]
     layer = min(wall_layers(plan.scene, plan.medium, *velocities(plan.scene)))
-    heights = {name: _heights(plan.mesh.skfem, name) for name in walls}
+    heights = {name: _heights(plan.mesh, name) for name in walls}
     lacking = sum(
         float(np.mean(np.maximum(LACKS * h - layer, 0.0))) * plan.mesh.measure(name)
         for name, h in heights.items()
@@ -52,13 +53,12 @@ def missed_layers(plan: Any) -> Iterator[str]:
         )
 
 
-def _heights(mesh: Any, boundary: str) -> Array:
+def _heights(mesh: Mesh, boundary: str) -> Array:
     """Return the heights of the cells over the facets of a boundary [m]."""
-    facets = mesh.boundaries[boundary]
-    normals = outward_normals(mesh, facets)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    corners = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]]
-    first = mesh.p[:, mesh.facets[0, facets]]
-    depths = np.einsum("fd,dcf->cf", normals, first[:, None, :] - corners)
+    grid = mesh.skfem
+    facets = grid.boundaries[boundary]
+    corners = grid.p[:, grid.t[:, grid.f2t[0, facets]]]
+    inside = grid.p[:, grid.facets[0, facets]][:, None, :] - corners
+    depths = np.einsum("fd,dcf->cf", unit_normals(mesh, boundary), inside)
     found: Array = depths.max(axis=0)
     return found

@@ -13,9 +13,8 @@ from contbed.reacting_bed.feeds import with_cells_of_one_value
 from contbed.reacting_bed.plan import Plan
 from contbed.reacting_bed.problem import Problem, isothermal_drop
 from contbed.reacting_bed.rate_checks import taken_though_absent
-from contbed.reacting_bed.section_error import KEY, LARGE, section_error
+from contbed.reacting_bed.section_error import report_section
 from contbed.result import Result
-from contbed.scene.values import at
 
 # share of a gas or solid above which a warning says what was rounded
 LARGE_SMOOTHING = 1e-5
@@ -67,19 +66,11 @@ def run(
         if report.small > LARGE_SMOOTHING
         else 0.0
     )
-    across = section_error(problem, u)
+    across = report_section(problem, u, result)
     if report.rounds:
         result.qoi["estimated_error"] = max(
-            report.estimate, report.damping_changes, smoothed, across or 0.0
+            report.estimate, report.damping_changes, smoothed, across
         )
-    if across is not None:
-        result.qoi["estimated_error_section"] = across
-        if across > LARGE:
-            result.warnings.append(
-                f"{plan.scene.origin.at(KEY)}: packed_bed.section.rings = "
-                f"{at(plan.scene, KEY)}: the error across the flow is about "
-                f"{across:.1%} of what changes in the bed: use more rings"
-            )
     if report.stopped:
         result.warnings.append(
             "no solution was found on the last, finer mesh; results are "
@@ -138,8 +129,8 @@ def _in_time(
         run_transient(course, result, folder, quiet, start)
 
     problem = plan.problem
-    in_periods = plan.scene.time is not None and plan.scene.time.cycle is not None
-    if start is not None and not in_periods and start[0]["state"].shape[-1] == 1:
+    # cycles, which never begin again, have no array of this name
+    if start is not None and "state" in start[0] and start[0]["state"].shape[-1] == 1:
         problem = with_cells_of_one_value(problem)
     try:
         run_with(problem, start)

@@ -13,13 +13,32 @@ from contbed.errors import ConvergenceError
 from contbed.reacting_bed import solve
 from contbed.reacting_bed.equations.unknowns import Role
 from contbed.reacting_bed.problem import Problem
-from contbed.scene.values import with_value
+from contbed.result import Result
+from contbed.scene.values import at, with_value
 
 KEY = ("packed_bed", "section", "rings")
 LEAST = 4  # rings of which half are enough for an estimate
 LARGE = 1e-2  # above which a run warns
 # change of a temperature [K] and share of all gas below which nothing happens
 LEAST_SPAN, LEAST_SHARE = 1.0, 1e-3
+
+
+def report_section(problem: Problem, u: Array, result: Result) -> float:
+    """Name the error of what leaves in a result, warn where it is large, and return it;
+    0 where it is not estimated.
+    """
+    error = section_error(problem, u)
+    if error is None:
+        return 0.0
+    result.qoi["estimated_error_section"] = error
+    if error > LARGE:
+        scene = problem.scene
+        result.warnings.append(
+            f"{scene.origin.at(KEY)}: packed_bed.section.rings = {at(scene, KEY)}: the "
+            f"error across the flow is about {error:.1%} of what changes in the bed: use "
+            "more rings"
+        )
+    return error
 
 
 def section_error(problem: Problem, u: Array) -> float | None:

@@ -299,14 +299,19 @@ boundary.walls.type = "no_slip"
 """
 
 
+def channel(folder, size):
+    """Run the channel on cells of a size [m]."""
+    (folder / "channel.geo").write_text(CHANNEL.format(size=size))
+    (folder / "scene.toml").write_text(BETWEEN_WALLS)
+    return cb.run(cb.load(folder / "scene.toml", trust=True))
+
+
 @pytest.mark.parametrize("size", [0.01, 0.005])
 def test_cells_that_miss_the_layer_at_a_wall_bring_a_warning(tmp_path, size):
     """Against the closed form of Brinkman's flow between planes, to a third: where the
     flow enters it is that of the scene also beside the walls.
     """
-    (tmp_path / "channel.geo").write_text(CHANNEL.format(size=size))
-    (tmp_path / "scene.toml").write_text(BETWEEN_WALLS)
-    result = cb.run(cb.load(tmp_path / "scene.toml", trust=True))
+    result = channel(tmp_path, size)
     heights = 0.02 / math.sqrt(1e-8 / 0.4)  # over the thickness of the layer
     exact = 2e-5 / 1e-8 * 0.1 * 0.2 / (1.0 - math.tanh(heights) / heights)
     wrong = result.qoi["pressure_drop_Pa"] / exact - 1.0
@@ -316,6 +321,4 @@ def test_cells_that_miss_the_layer_at_a_wall_bring_a_warning(tmp_path, size):
 
 
 def test_thin_cells_at_walls_bring_no_warning(tmp_path):
-    (tmp_path / "channel.geo").write_text(CHANNEL.format(size=0.0015))
-    (tmp_path / "scene.toml").write_text(BETWEEN_WALLS)
-    assert not cb.run(cb.load(tmp_path / "scene.toml", trust=True)).warnings
+    assert not channel(tmp_path, 0.0015).warnings

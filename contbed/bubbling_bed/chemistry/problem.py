@@ -79,7 +79,7 @@ def fuel_data(solid: Solid) -> FuelData:
         rate * (1.0 - V) / ATOMIC_WEIGHTS["C"],
         rate * V,
         received * fuel.moisture / species["H2O"].molar_mass,
-        received * (1.0 - fuel.moisture) * fuel.ash,
+        solid.fed_solids,
         dv.volatiles(daf, V) if V else None,
         higher,
         higher / (1.0 - fuel.ash) - 0.5 * amounts["H"] * vapour,
