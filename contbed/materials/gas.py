@@ -9,6 +9,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -27,6 +28,7 @@ from .common import (
 )
 from .composition import mole_fractions
 from .forms import Ranges, forms_of, has_nasa7
+from .pointwise import analytic
 
 # K; the transport fits are re-expanded about it, where their terms no longer cancel
 T_FIT = 1000.0
@@ -75,14 +77,14 @@ class GasMixture:
         if self._thermo:
             molar = sum(x * each.heat_capacity(T) for x, each in self._thermo)
             return molar / self.molar_mass
-        return _by_range(self._T_mid, self._heat_capacity, T)
+        return analytic(partial(_by_range, self._T_mid, self._heat_capacity), T)
 
     def enthalpy(self, T: Any) -> Any:
         """Return the enthalpy [J/kg], heats of formation included."""
         if self._thermo:
             molar = sum(x * each.enthalpy(T) for x, each in self._thermo)
             return molar / self.molar_mass
-        return _by_range(self._T_mid, self._enthalpy, T)
+        return analytic(partial(_by_range, self._T_mid, self._enthalpy), T)
 
     def viscosity(self, T: Any) -> Any:
         """Return the viscosity [Pa s] by Wilke (1950), J. Chem. Phys. 18, 517,
@@ -94,6 +96,9 @@ class GasMixture:
         """
         if self._viscosity is not None:
             return self._viscosity
+        return analytic(self._wilke, T)
+
+    def _wilke(self, T: Any) -> Any:
         L = np.log(T * (1.0 / T_FIT))
         v = [1.0 / polynomial(fit, L) for fit in self._viscosity_fits]
         x = self.mole_fractions.values()
@@ -115,6 +120,9 @@ class GasMixture:
         """
         if self._conductivity is not None:
             return self._conductivity
+        return analytic(self._mathur, T)
+
+    def _mathur(self, T: Any) -> Any:
         L = np.log(T * (1.0 / T_FIT))
         mean = polynomial(self._conductivity_mean, L)
         if len(self._conductivity_fits) == 1:

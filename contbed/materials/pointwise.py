@@ -9,6 +9,9 @@ from typing import Any
 
 import numpy as np
 
+# of a derivative, so small beside any argument that its square is lost in rounding
+COMPLEX_STEP = 1e-20
+
 
 def pointwise(f: Callable[[Any], Any], df: Callable[[Any], Any], T: Any) -> Any:
     """Return f(T), with the exact derivative df when T is a dual number.
@@ -26,6 +29,19 @@ def pointwise(f: Callable[[Any], Any], df: Callable[[Any], Any], T: Any) -> Any:
     if hasattr(T, "apply"):
         return T.apply(f, df)
     return f(T)
+
+
+def analytic(f: Callable[[Any], Any], T: Any) -> Any:
+    """Return f(T) of an analytic function, with its derivative by a complex step, exact
+    to round-off, when T is a dual number.
+
+    One derivative at each point costs less than those of every operation by every
+    unknown. Values that are recorded keep their operations. Squire and Trapp (1998),
+    SIAM Rev. 40, 110, doi:10.1137/S003614459631241X.
+    """
+    if not hasattr(T, "tangents"):
+        return f(T)
+    return T.apply(f, lambda at: f(at + 1j * COMPLEX_STEP).imag / COMPLEX_STEP)
 
 
 def with_slopes(
