@@ -115,9 +115,12 @@ class DirkSteps(TimeSteps[H]):
     ) -> tuple[float, Accept[H]]:
         """Take a step, see `TimeSteps`."""
         step = self.stages.take(history.state, history.time, end, size)
+        return self.scaled(step), partial(self.passed, history, step, end)
+
+    def scaled(self, step: Step) -> float:
+        """Return the largest error of a step over what is allowed."""
         largest = float(np.abs(step.error * self.problem.weights).max())
-        error = largest / (self.tolerance * self.span)
-        return error, partial(self.passed, history, step, end)
+        return largest / (self.tolerance * self.span)
 
     def passed(self, history: H, step: Step, end: float, size: float) -> H:
         """Return the history after a step that ends at a time [s]; `size` is that of

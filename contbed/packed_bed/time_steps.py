@@ -20,6 +20,8 @@ from contbed.course.dirk import (
 )
 from contbed.course.history import SAME, History, output_times
 from contbed.course.march import Accept
+from contbed.packed_bed.cell_errors import estimate, refinable
+from contbed.packed_bed.equations.two_energy import FIELDS
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.run_parts import heat_problem
@@ -30,6 +32,9 @@ from contbed.scene.mesh import MeshLine
 # [K] scale of the errors of a bed that only fluxes or sources drive from one
 # temperature
 ONE_KELVIN = 1.0
+# of the estimated error of a cell that a step may add where properties vary: a front
+# which the cells cannot hold needs no finer steps
+OF_CELLS = 0.1
 # [s] first step, at the start and after a jump, of steps that follow their errors
 FIRST_STEP = 2.0**-10
 
@@ -242,6 +247,24 @@ class HeatSteps(DirkSteps[HeatHistory]):
         if self.local is not None:
             history = self._with_flow(history)
         return super().take(history, end, size, repeated)
+
+    def scaled(self, step: Step) -> float:
+        """Return the largest error of a step over what is allowed: the tolerance and a
+        share of the error of the cells.
+        """
+        problem = self.problem
+        if problem.linear or not refinable(problem.mesh):
+            return super().scaled(step)
+        error = np.abs(step.error * problem.weights)
+        allowed = self.tolerance * self.span
+        largest = error[problem.heats.stop :].max(initial=0.0) / allowed
+        for name in FIELDS:
+            space = problem.system.fields[name][0]
+            cells = estimate(space, problem.system.part(step.states[-1], name))
+            local = problem.system.part(error, name)[space.dofs]
+            share = local / (allowed + OF_CELLS * cells)
+            largest = max(largest, float(share.max()))
+        return float(largest)
 
     def passed(
         self, history: HeatHistory, step: Step, end: float, size: float
