@@ -141,31 +141,35 @@ def is_along(mesh: Mesh, boundary: str, velocity: Any) -> bool:
 
     Raises
     ------
-    SceneError : it does not, and the boundary is no plane along the coordinate axes,
-        where flow with slip is not solved
+    SceneError : it does not, and the boundary does not consist of planes along the
+        coordinate axes, where flow with slip is solved
     """
     if passes_along(mesh, boundary, velocity):
         return True
-    slip_axis(mesh, boundary)
+    slip_axes(mesh, boundary)
     return False
 
 
-def slip_axis(mesh: Mesh, boundary: str) -> int:
-    """Return the axis across a slip wall, which may have two sides.
+def slip_axes(mesh: Mesh, boundary: str) -> Any:
+    """Return the axis across each facet of a slip wall.
 
     Raises
     ------
-    SceneError : it is no plane along the coordinate axes
+    SceneError : not all of it lies in planes along the coordinate axes
     """
-    normals = np.abs(unit_normals(mesh, boundary))
-    axis = int(np.argmax(normals[0]))
-    if np.delete(normals, axis, axis=1).max(initial=0.0) > PARALLEL:
+    if not has_axial_planes(mesh, boundary):
         raise SceneError(
-            f"boundary.{boundary}: a slip wall that the flow meets must be a plane "
-            "along the coordinate axes; give its plane parts names of their own, or "
-            'use type = "no_slip"'
+            f"boundary.{boundary}: a slip wall that the flow meets must consist of "
+            "planes along the coordinate axes; give other parts names of their own with "
+            'type = "no_slip"'
         )
-    return axis
+    return np.abs(unit_normals(mesh, boundary)).argmax(axis=1)
+
+
+def has_axial_planes(mesh: Mesh, boundary: str) -> bool:
+    """Return whether a boundary consists of planes along the coordinate axes."""
+    normals = np.sort(np.abs(unit_normals(mesh, boundary)), axis=1)
+    return bool(normals[:, :-1].max(initial=0.0) <= PARALLEL)
 
 
 def solved_flow(
@@ -272,8 +276,11 @@ def flow_equations(
                 velocities[numbers] = normals
                 continue
             facets = mesh.skfem.boundaries[name]
-            for component, value in _values(mesh, name, kind, inlet).items():
-                velocities[system.nodes("u", facets, component)] = value
+            axes = slip_axes(mesh, name) if kind == "slip" else None
+            for k in range(dim):
+                met = facets if axes is None else facets[axes == k]
+                value = float(inlet[k]) if kind == "inlet" else 0.0
+                velocities[system.nodes("u", met, k)] = value
     inlets, walls = of_kind["inlet"], [*of_kind["slip"], *of_kind["no_slip"]]
     wanted = inlet if curved else mean_speed(system, inlets, velocities)
     if turn_along(system, inlets, walls, velocities) or curved:
@@ -321,15 +328,6 @@ def _carry(before: Flow, system: System, state: Any) -> None:
 
 def _rows(system: System, state: Any, name: str) -> Any:
     return np.atleast_2d(system.part(state, name))
-
-
-def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:
-    dim = mesh.skfem.dim()
-    if kind == "inlet":
-        return {k: float(inlet[k]) for k in range(dim)}
-    if kind == "no_slip":
-        return dict.fromkeys(range(dim), 0.0)
-    return {slip_axis(mesh, name): 0.0}
 
 
 def coefficients(plan: Any) -> porous_flow.Coefficients:

@@ -202,12 +202,19 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
             f"'{entered}', which is curved, so that its way is not known: say "
             f'[boundary.{name}] type = "outlet", "wall" or "no_slip"'
         )
-    from contbed.packed_bed.flow import constant_normal, passes_along
+    from contbed.packed_bed.flow import (
+        constant_normal,
+        has_axial_planes,
+        passes_along,
+    )
 
     # both sides of a duct may have one name
     if passes_along(mesh, name, velocity):
         return "slip"
     normal = constant_normal(mesh, name)
+    outlets = [table.type == "outlet" for table in scene.boundary.values()]
+    if normal is None and any(outlets) and has_axial_planes(mesh, name):
+        return "slip"
     across = (
         0.0
         if normal is None
@@ -217,8 +224,8 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
         raise SceneError(
             f"{scene.origin.name}: boundary.{name} is neither along nor across the "
             f'flow; say [boundary.{name}] type = "inlet", "outlet" or "no_slip"; flow '
-            "along a wall without friction is solved where the wall is a plane along "
-            "the coordinate axes"
+            "along a wall without friction is solved where the wall consists of planes "
+            "along the coordinate axes"
         )
     return "inlet" if across < 0 else "outlet"
 
@@ -244,7 +251,7 @@ def is_plug_flow(scene: s.Scene, mesh: Mesh) -> bool:
     typed = {name for name, table in scene.boundary.items() if table.type is not None}
     if not np.any(velocity) or not (typed or isinstance(scene.mesh, MeshFile)):
         return True
-    from contbed.packed_bed.flow import is_across, is_along, slip_axis
+    from contbed.packed_bed.flow import is_across, is_along, slip_axes
 
     file = scene.origin.name
     walls = [name for name, kind in roles.items() if kind == "slip"]
@@ -252,7 +259,7 @@ def is_plug_flow(scene: s.Scene, mesh: Mesh) -> bool:
     if (mesh.axisymmetric and velocity[0]) or curved_inlet(scene):
         with _of_file(file):
             for name in walls:
-                slip_axis(mesh, name)
+                slip_axes(mesh, name)
         return False
     beside = [
         name

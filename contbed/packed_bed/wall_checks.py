@@ -26,6 +26,7 @@ def a_steady_temperature_is_determined(
     time: s.Time | None,
     boundary: Boundaries,
     radiation: Radiation | None,
+    region: Mapping[str, s.Region],
 ) -> Mistakes:
     """Check that something determines the temperature of a steady scene."""
     if heat is None or time is not None:
@@ -41,8 +42,10 @@ def a_steady_temperature_is_determined(
             condition = conditions.condition(phase)
             if condition is not None and condition.ties:
                 tied.add(phase)
-    if radiation is not None and any(
-        conditions.radiation for conditions in boundary.values()
+    if radiation is not None and (
+        any(conditions.radiation for conditions in boundary.values())
+        or any(part.tubes for part in region.values())
+        or any(solid.temperature is not None for solid in solids.values())
     ):
         tied.add("solid")
     # Without exchange between the phases each needs a temperature of its own.
@@ -56,8 +59,8 @@ def a_steady_temperature_is_determined(
             ("heat",),
             "the steady temperature of the "
             f"{' and the '.join(NAMES[phase] for phase in loose)} is undetermined: no "
-            "boundary has temperature, fixed_temperature or coefficient, none "
-            "radiates; give one, or a [time] table",
+            "boundary has temperature, fixed_temperature or coefficient, and no wall, "
+            "tube or solid of given temperature radiates; give one, or a [time] table",
         )
 
 

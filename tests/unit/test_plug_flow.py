@@ -322,3 +322,37 @@ def test_cells_that_miss_the_layer_at_a_wall_bring_a_warning(tmp_path, size):
 
 def test_thin_cells_at_walls_bring_no_warning(tmp_path):
     assert not channel(tmp_path, 0.0015).warnings
+
+
+ELBOW = """
+Point(1) = {0, 0, 0, 0.01}; Point(2) = {0.4, 0, 0, 0.01};
+Point(3) = {0.4, 0.4, 0, 0.01}; Point(4) = {0.3, 0.4, 0, 0.01};
+Point(5) = {0.3, 0.1, 0, 0.002}; Point(6) = {0, 0.1, 0, 0.01};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 5};
+Line(5) = {5, 6}; Line(6) = {6, 1};
+Curve Loop(1) = {1, 2, 3, 4, 5, 6};
+Plane Surface(1) = {1};
+Physical Curve("inlet") = {6};
+Physical Curve("outlet") = {3};
+Physical Curve("walls") = {1, 2, 4, 5};
+Physical Surface("bed") = {1};
+"""
+
+
+@pytest.mark.parametrize("walls", ["", 'boundary.walls.type = "wall"'])
+def test_walls_of_an_elbow_have_one_name(tmp_path, walls):
+    """Darcy's flow through two arms of 3 squares and a corner of 1 - (2/pi) ln 2 squares
+    (Hall 1968, Thin Solid Films 1, 277); cells miss it by less than 1e-3.
+    """
+    (tmp_path / "elbow.geo").write_text(ELBOW)
+    scene = BETWEEN_WALLS.replace("channel.geo", "elbow.geo")
+    scene = scene.replace("left.gas.velocity = 0.1", "inlet.gas.velocity = 1e-3")
+    scene = scene.partition("boundary.walls")[0]
+    (tmp_path / "scene.toml").write_text(
+        f'{scene}boundary.outlet.type = "outlet"\n{walls}\n'
+    )
+    result = cb.run(cb.load(tmp_path / "scene.toml", trust=True))
+    squares = 3.0 + 3.0 + 1.0 - 2.0 / math.pi * math.log(2.0)
+    drop = squares * 2e-5 / 1e-8 * 1e-3 * 0.1
+    assert result.qoi["pressure_drop_Pa"] == approx(drop, rel=1e-3)
+    assert result.balances["fluid volume"]["out"] == approx(1e-4, rel=1e-9)

@@ -83,6 +83,24 @@ def test_tubes_cool_the_bed_and_the_balance_closes(case):
     )
 
 
+@pytest.mark.parametrize("holds", ["tubes", "glowing"])
+def test_what_radiates_holds_the_temperature_of_a_bed_at_rest(holds):
+    """Nothing passes its ends: all heat released leaves to the tubes, or to particles
+    of given temperature (round-off of 1e-9), and the bed is warmer than these.
+    """
+    text = SCENE.format(**LINE, nusselt=10, optics="", tube=500)
+    text = text.partition("[boundary")[0] + "solids.heat_source = 2e5\n"
+    if holds == "glowing":
+        glowing = 'diameter = "2 mm"\nemissivity = 0.9\ntemperature = 900\n'
+        shares = "volume_share = 0.9\n[solids.glowing]\nvolume_share = 0.1\n"
+        text = text.replace("[packed_bed]", f"{shares}{glowing}[packed_bed]")
+        text = "\n".join(row for row in text.split("\n") if "tubes" not in row)
+    result = cb.run(loads(text))
+    left = {"tubes": "heat_tubes_W", "glowing": "heat_species_W"}[holds]
+    assert result.qoi[left] == pytest.approx(-0.4 * 2e5, rel=1e-9)
+    assert result.qoi["T_solid_mean_K"] > {"tubes": 500, "glowing": 900}[holds]
+
+
 def test_tubes_need_radiation():
     text = SCENE.format(**LINE, nusselt=10, optics="", tube=500).replace(
         "[radiation]\n", ""
