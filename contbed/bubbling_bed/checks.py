@@ -20,7 +20,6 @@ from contbed.bubbling_bed.closures import (
     gives,
     uses,
 )
-from contbed.bubbling_bed.coefficients import mixture
 from contbed.bubbling_bed.surface_checks import (
     Solids,
     particles_pass_between_the_tubes,
@@ -31,10 +30,10 @@ from contbed.bubbling_bed.surface_checks import (
 from contbed.bubbling_bed.tables import BubblingBed
 from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
+from contbed.materials.constants import mixture_of
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.continuation import parameter_varies
 from contbed.scene.gas import GasCantera
-from contbed.scene.mechanism import find_mechanism
 from contbed.scene.mesh_checks import positions_outside
 from contbed.scene.quantities import Table
 from contbed.scene.tables import Output
@@ -305,8 +304,7 @@ def the_gas_is_known(
 
     try:
         amounts = [float(amount) for _, amount in _pairs(gas.composition)]
-        mechanism = find_mechanism(gas.mechanism, origin.base)
-        known = mixture(gas.composition, gas.pressure, mechanism)
+        known = mixture_of(gas, origin.base)
     except (SceneError, ValueError) as error:
         yield ("gas", "composition"), str(error)
         return

@@ -11,7 +11,7 @@ them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -41,14 +41,6 @@ SMOOTHED = 1e-3
 # temperature
 LEAST = 1e-6
 STEPS = 200  # of the march that gives a first guess of the bubbles
-
-
-@cache
-def mixture(composition: str, pressure: float, mechanism: str) -> Any:
-    """Properties of a gas, which take long to read."""
-    from contbed.materials import gas_mixture
-
-    return gas_mixture(composition, pressure, mechanism)
 
 
 class Computed:

@@ -18,7 +18,7 @@ from contbed.bubbling_bed.solids import Solid
 from contbed.bubbling_bed.tables import Freeboard, Release
 from contbed.closures import optics
 from contbed.errors import SceneError
-from contbed.scene.mechanism import find_mechanism
+from contbed.materials.constants import mixture_of
 
 # temperature at which layers are predicted where the scene gives lower ones [K]
 HOT = 1000.0
@@ -155,11 +155,9 @@ def computed_of(scene: b.BubblingScene) -> Any:
     """
     if not scene.computed:
         return None
-    from contbed.bubbling_bed.coefficients import Computed, mixture
+    from contbed.bubbling_bed.coefficients import Computed
 
-    gas = scene.mixture
-    mechanism = find_mechanism(gas.mechanism, scene.origin.base)
-    return Computed(scene, mixture(gas.composition, gas.pressure, mechanism))
+    return Computed(scene, mixture_of(scene.mixture, scene.origin.base))
 
 
 def _fluidized(scene: b.BubblingScene, computed: Any) -> None:

@@ -91,13 +91,37 @@ def _varying(gas: GasCantera | GasCoolProp, base: Path) -> Any:
         from contbed.materials.coolprop import real_fluid
 
         return real_fluid(gas.name, gas.pressure, gas.T_range)
-    from contbed.materials.gas import gas_mixture
+    return mixture_of(gas, base)
+
+
+def mixture_of(gas: GasCantera, base: Path) -> Any:
+    """Return the mixture of a [gas] table, with the constants that it gives in place of
+    transport data; `base` is the folder of the scene.
+    """
     from contbed.scene.mechanism import find_mechanism
 
-    return gas_mixture(
+    mechanism = find_mechanism(gas.mechanism, base)
+    file = Path(mechanism)
+    return _mixture(
         gas.composition,
         gas.pressure,
-        find_mechanism(gas.mechanism, base),
-        viscosity=gas.viscosity,
-        conductivity=gas.conductivity,
+        mechanism,
+        gas.viscosity,
+        gas.conductivity,
+        file.stat().st_mtime_ns if file.is_file() else 0,
     )
+
+
+@lru_cache(maxsize=16)
+def _mixture(
+    composition: str,
+    pressure: float,
+    mechanism: str,
+    viscosity: float | None,
+    conductivity: float | None,
+    changed: int,
+) -> Any:
+    """Return a mixture, whose mechanism, `changed` at a time, takes long to read."""
+    from contbed.materials.gas import gas_mixture
+
+    return gas_mixture(composition, pressure, mechanism, viscosity, conductivity)
