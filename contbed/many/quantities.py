@@ -11,7 +11,9 @@ from contbed import fields
 from contbed.errors import SceneError
 from contbed.explain import sheets
 from contbed.fields import FIELDS, labelled, name_of, unit_of
+from contbed.scene.mesh import power_units
 from contbed.scene.names import nearest, nearest_of
+from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import parse_key
 
 
@@ -52,18 +54,26 @@ def parameter(key: str, values: Iterable[Any]) -> Quantity:
     return Quantity(key, key, None if named else sheets.unit(parse_key(key)))
 
 
-def result(key: str) -> Quantity:
-    """Return a named result; the unit is that in its key ("k_eff [W/m/K]",
-    "T_fluid_out_K") or of its field ("u_max").
+def result(key: str, scene: SceneBase | None = None) -> Quantity:
+    """Return a named result, of a scene see `unit_of_result`; else the unit is that in
+    its key ("k_eff [W/m/K]", "T_fluid_out_K") or of its field ("u_max").
 
     >>> [result(key).header for key in ("T_fluid_out_K", "k_eff [W/m/K]", "u_max", "porosity")]
     ['T_fluid_out [K]', 'k_eff [W/m/K]', 'u_max [m/s]', 'porosity [-]']
     """
     unit = unit_of(key) or "1"
     ending = re.sub(r"\W+", "_", unit)
-    return Quantity(
-        key, name_of(key).removesuffix(f"_{ending}").removesuffix(f"_{unit}"), unit
-    )
+    name = name_of(key).removesuffix(f"_{ending}").removesuffix(f"_{unit}")
+    return Quantity(key, name, unit_of_result(key, scene) or "1")
+
+
+def unit_of_result(key: str, scene: SceneBase | None) -> str | None:
+    """Return the unit of a named result of a scene; that of a heat in a line is per area
+    of its section, in a plane per depth. None if there is no such result.
+    """
+    mesh: Any = getattr(scene, "mesh", None)
+    own = power_units([key], mesh) if hasattr(mesh, "dimension") else {}
+    return own.get(key) or unit_of(key)
 
 
 def why_unknown(name: str) -> str:

@@ -24,8 +24,7 @@ from contbed.many.calibrate.settings import (
     Value,
     experiment_names,
 )
-from contbed.many.quantities import result as named_result
-from contbed.many.quantities import why_unknown
+from contbed.many.quantities import unit_of_result, why_unknown
 from contbed.many.study_file import unit_in
 from contbed.many.value_sets import MAGNITUDE, tidy
 from contbed.scene.data_table import DataTable, read_table
@@ -112,7 +111,8 @@ def read_jobs(
             scene = file.origin.base / settings.scene
             make = partial(load, scene, trust=trust, allow_large=allow_large)
             job_of = partial(Job, name, scene, make)
-            for number, job in enumerate(_jobs(file, k, name, settings, job_of)):
+            base = _loaded(make, {**settings.set, **start})
+            for number, job in enumerate(_jobs(file, k, name, settings, base, job_of)):
                 _check(file, k, job, start, ends=number == 0)
                 jobs.append(job)
         except SceneError as error:
@@ -129,11 +129,22 @@ def read_jobs(
     return jobs
 
 
+def _loaded(make: Callable[[Any], SceneBase], values: Any) -> SceneBase | None:
+    """Return a scene; None where mistakes, which are reported with the jobs, or keys
+    that rows give keep it from being made.
+    """
+    try:
+        return make(values)
+    except SceneError:
+        return None
+
+
 def _jobs(
     file: CalibrationFile,
     k: int,
     name: str,
     settings: ExperimentSettings,
+    scene: SceneBase | None,
     job_of: Callable[..., Job],
 ) -> Iterator[Job]:
     origin = file.origin
@@ -153,6 +164,7 @@ def _jobs(
             name,
             settings,
             value,
+            scene,
             table,
             rows,
             t,
@@ -167,7 +179,7 @@ def _jobs(
             key: table.column(column, unit_in(scenes, key) or "1")
             for key, column in settings.keys.items()
         }
-        extra = tuple(_predicted(name, settings, t, x, predict_at))
+        extra = tuple(_predicted(name, settings, scene, t, x, predict_at))
         for index, row in enumerate(rows):
             own = {key: float(column[row]) for key, column in columns.items()}
             here = (each[index] for each in points if each[index] is not None)
@@ -175,7 +187,7 @@ def _jobs(
         return
     found = (
         *(point for each in points for point in each if point is not None),
-        *_predicted(name, settings, t, x, predict_at),
+        *_predicted(name, settings, scene, t, x, predict_at),
     )
     changes = dict(settings.set)
     if times := sorted({point.t for point in found if not math.isnan(point.t)}):
@@ -189,6 +201,7 @@ def _points(
     name: str,
     settings: ExperimentSettings,
     value: Value,
+    scene: SceneBase | None,
     table: DataTable,
     rows: Integers,
     t: Array,
@@ -207,7 +220,7 @@ def _points(
     unit = (
         require(value.quantity).unit
         if in_profiles
-        else named_result(value.quantity).unit or "1"
+        else unit_of_result(value.quantity, scene) or "1"
     )
     measured = table.column(value.column, unit, gaps=True)
     errors = _errors(value, table, measured, unit, where)
@@ -259,13 +272,18 @@ def _errors(
 
 
 def _predicted(
-    name: str, settings: ExperimentSettings, t: Array, x: Array, at: str
+    name: str,
+    settings: ExperimentSettings,
+    scene: SceneBase | None,
+    t: Array,
+    x: Array,
+    at: str,
 ) -> Iterator[Point]:
     """Yield what is predicted besides the measured values."""
     wanted = settings.predict
     for key in wanted.results:
         _require_result(key, f"{at}: predict")
-        yield Point(name, key, named_result(key).unit or "1", line=at)
+        yield Point(name, key, unit_of_result(key, scene) or "1", line=at)
     if not wanted.times and not wanted.positions:
         return
     for value in dict.fromkeys(value.quantity for value in settings.values):

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.fields import behind, unit_of
+from contbed.fields import behind
 from contbed.many.derivatives.gradients import Gradient, gradient, require_known
 from contbed.many.derivatives.keys import continuous, key
+from contbed.many.quantities import unit_of_result
 from contbed.many.tables import aligned, write_rows
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
@@ -74,7 +75,7 @@ def sensitivities(
         "versions": versions(),
         "method": found.method,
         "qoi": {
-            name: {"value": value, "unit": unit_of(name) or "1"}
+            name: {"value": value, "unit": unit_of_result(name, scene) or "1"}
             for name, value in zip(found.qoi, found.values, strict=True)
         },
         "keys": {

@@ -45,7 +45,7 @@ def write(folder: Path, design: Design, found: Found, evaluations: Evaluations) 
 def write_table(folder: Path, design: Design, rows: Sequence[Evaluation]) -> None:
     """Write table.csv, one line for each evaluation."""
     keys = [parameter(key.name, ()).header for key in design.keys]
-    results = [result(name).header for name in design.results]
+    results = [result(name, design.scene).header for name in design.results]
     excess = [
         f"{one.text}: missed by [{_unit(one.left.unit)}]" for one in design.constraints
     ]

@@ -23,6 +23,7 @@ from contbed.many.optimise.problem import (
     plain,
     require_possible,
 )
+from contbed.many.quantities import unit_of_result
 from contbed.many.study_file import StudyFile, relocated
 from contbed.many.value_sets import MOST_RUNS
 from contbed.models import model_of
@@ -137,7 +138,7 @@ def _unit(scene: SceneBase, keys: Mapping[str, DesignKey], name: str) -> str:
                 f"the scene has no number {name!r}; {nearest_of(name, numbers)}"
             )
         return schema.unit(schema.of(type(scene)), path) or "1"
-    unit = fields.unit_of(name)
+    unit = unit_of_result(name, scene)
     if unit is None:
         raise SceneError(
             f"{name!r} is neither a named result nor a key; "

@@ -75,7 +75,8 @@ def columns(study: Study, rows: Sequence[Row]) -> tuple[list[Quantity], list[Qua
         parameter(key, (row.parameters[key] for row in rows))
         for key in study.parameters
     ]
-    return parameters, [result(key) for key in keys]
+    scene = study.cases[0].scene if study.cases else None
+    return parameters, [result(key, scene) for key in keys]
 
 
 def chosen(study: Study, rows: Sequence[Row]) -> list[tuple[Quantity, Array]]:
