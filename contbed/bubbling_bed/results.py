@@ -28,6 +28,7 @@ from contbed.scene.gas import GasCantera
 UNFLUIDIZED = 2e-3
 SAME_CONTENT = 0.02  # by which heights of the same particles may differ
 EVEN = 201  # heights at which the use of closures is counted
+ROUNDED_CARRYOVER = 1e-9  # [kg/m2/s] left by rounding where no particles leave
 
 
 def fill(
@@ -299,14 +300,15 @@ def _freeboard(
     }
     fed = sum(item.fed_solids for item in computed.scene.present.values())
     sized = any(item.sizes is not None for item in computed.scene.present.values())
-    if not sized and part.section * values["carryover"] > fed:
+    beyond = values["carryover"] - ROUNDED_CARRYOVER
+    if not sized and part.section * beyond > fed:
         result.warnings.append(
             f"gas carries away {part.section * values['carryover']:.3g} kg/s of "
             "particles, "
             f"{fed:.3g} kg/s are fed: give solids.NAME.sizes, or solids.NAME.feed for "
             "what replaces them"
         )
-    if values["carryover"] > ejected:
+    if beyond > ejected:
         result.warnings.append(
             "the gas carries away more particles than the bubbles throw up, "
             "which is impossible: choose another "

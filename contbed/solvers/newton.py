@@ -83,7 +83,7 @@ def newton(
                 solver, constrain(matrix, fixed), -residual, policy, history, goal
             )
         except ConvergenceError:
-            if history[-1] * scale > floor or not np.isfinite(far_step):
+            if not history[-1] * scale <= floor or not np.isfinite(far_step):
                 raise
             return state, history  # the residual is rounding, which no factors reduce
         if linear:

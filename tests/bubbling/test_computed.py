@@ -105,6 +105,19 @@ def test_closures_are_those_of_the_state():
     )
 
 
+def test_viscosity_and_conductivity_of_the_gas_may_be_given():
+    """The velocity of minimum fluidization is that of the given viscosity: round-off."""
+    given = solved(hot(gas__viscosity=9e-5, gas__conductivity=0.3))
+    gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)
+    T = given.profiles["T_inert [K]"], given.profiles["T_char [K]"]
+    mean = 0.98 * T[0] + 0.02 * T[1]
+    rho, rho_solid = gas.density(mean), 0.98 * 2600 + 0.02 * 1200
+    d_p = 1 / (0.98 / 7e-4 + 0.02 / 3e-3)
+    Ar = d_p**3 * rho * (rho_solid - rho) * 9.81 / 9e-5**2
+    u_mf = closures.minimum_fluidization_grace(Ar) * 9e-5 / (rho * d_p)
+    assert given.profiles["u_mf [m/s]"] == approx(u_mf, rel=1e-9)
+
+
 def test_a_number_is_a_closure_that_returns_it():
     """The bed with the numbers that closures gave, at the same heat capacity of gas,
     has the same temperatures.

@@ -37,6 +37,13 @@ def test_particles_fall_off_exponentially():
     assert result.qoi["carryover_kg_s"] == approx(0.5 + 39.5 * np.exp(-6.0), rel=1e-4)
 
 
+def test_nothing_thrown_up_brings_no_warning_of_what_is_lost():
+    given = {"height": 2.0, "ejection": 0.0, "decay": 3.0, "elutriation": 0.0}
+    result = solved(hot(freeboard=given))
+    assert result.qoi["carryover_kg_s"] == approx(0.0, abs=1e-12)
+    assert not [text for text in result.warnings if "carries away" in text]
+
+
 def test_gas_without_particles_is_cooled_by_the_walls():
     """m h' = p h_w (T_w - T) from the mixture of both gases at the surface of the
     bed.

@@ -26,7 +26,9 @@ from contbed.many.calibrate.found import Prediction, data_of
 from contbed.many.calibrate.model import SceneModel
 from contbed.many.calibrate.plots import _curves
 from contbed.many.calibrate.settings import read_file
+from contbed.many.optimise.optimise import optimise
 from contbed.many.store import Store
+from contbed.many.sweep.sweep import sweep
 from tests.cases import cases_of
 from tests.command_line import command
 from tests.numbers_of import table_of
@@ -296,6 +298,57 @@ values = [
     assert sum(point.fitted for point in found.points) == 5
     # of the estimated error of the cells
     assert_allclose(found.values["reactions.decay.parameters.f"], 1.4, rtol=1e-4)
+
+
+PLATE = """
+mesh = { type = "line", length = 0.03, cells = 4 }
+gas = { density = 0.5, viscosity = 3e-5, heat_capacity = 1e3, conductivity = 0.05 }
+solids.grains = { diameter = 1e-3, density = 5600, heat_capacity = 600, conductivity = 2 }
+packed_bed.porosity = 0.4
+closures = { nusselt = 5, conductivity_gas = 0, conductivity_solids = 0.5 }
+heat = {}
+boundary.left = { type = "wall", temperature = 400 }
+boundary.right = { type = "wall", temperature = 300 }
+"""
+HOT_PLATE = """
+profiles = false
+[keys]
+closures.conductivity_solids = { from = 0.1, to = 2 }
+[[experiment]]
+scene = "plate.toml"
+file = "plate.csv"
+keys = { "boundary.left.temperature" = "T" }
+values = [{ quantity = "heat_left_W", column = "q", error = "50 W/m2" }]
+"""
+LAYER = """
+scene = "plate.toml"
+minimise = "mesh.length"
+constraints = ["heat_left_W <= 5 kW/m2"]
+[keys]
+mesh.length = { from = "5 mm", to = "0.2 m", start = "30 mm" }
+"""
+
+
+def test_heats_of_a_line_count_per_area(tmp_path, monkeypatch, no_pictures):
+    """k = q L/dT, and L = k dT/q, in tables of studies as well: round-off and the end
+    of the searches, 1e-6.
+    """
+    monkeypatch.chdir(tmp_path)
+    for name, text in (("plate", PLATE), ("fit", HOT_PLATE), ("layer", LAYER)):
+        Path(f"{name}.toml").write_text(text, encoding="utf-8")
+    Path("plate.csv").write_text("T [K],q [kW/m2]\n400,2.4\n500,4.8\n", "utf-8")
+    found = calibrate("fit.toml", "fit")
+    assert found.values["closures.conductivity_solids"] == pytest.approx(0.72, rel=1e-6)
+    optimise("layer.toml", "layer")
+    best = json.loads(Path("layer/summary.json").read_text())
+    assert best["keys"]["mesh.length"]["value"] == pytest.approx(0.01, rel=1e-6)
+    assert "heat_left [W/m2]" in Path("layer/table.csv").read_text()
+    Path("sweep.toml").write_text(
+        'scene = "plate.toml"\nqoi = ["heat_left_W"]\n'
+        'parameters."mesh.length" = [0.01, 0.02]\n'
+    )
+    sweep("sweep.toml", "sweep", jobs=1)
+    assert "heat_left [W/m2]" in Path("sweep/table.csv").read_text()
 
 
 def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(

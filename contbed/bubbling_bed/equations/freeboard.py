@@ -138,8 +138,7 @@ class Freeboard(Part):
         gain = Sums()
         for name, flow in (("T_up", u.flow_up), ("T_down", u.flow_up - u.carryover)):
             surface = self.section * self.surface * flow / here.density_flow
-            rest = LEAST * self.section * self.capacity(getattr(u, name)) / self.height
-            passed = (surface * here.exchange + rest) * (
+            passed = (surface * here.exchange + self._least(getattr(u, name))) * (
                 u.T_freeboard - getattr(u, name)
             )
             gain.add("T_freeboard", -passed)
@@ -151,6 +150,10 @@ class Freeboard(Part):
         for name in self.surfaces:
             gain.add("T_freeboard", -self.convected(u, name))
         return gain
+
+    def _least(self, T: Any) -> Any:
+        """Return the exchange with particles where none fly [W/m/K]."""
+        return LEAST * self.section * self.capacity(T) / self.height
 
     def convected(self, u: Any, name: str) -> Any:
         """Return the heat that the gas transfers to a surface [W/m]."""
@@ -185,8 +188,10 @@ class Freeboard(Part):
                 gained = gained + A * slope * (self.solids(u.T_up) - self.solids(T))
             capacity = sense * A * flow * self.capacity(T)
             strong = capacity * o.grad(T)[0] + gained
-            coupling = rate * flow + (
-                0.0 if name == "T_up" else A * here.decay * up * self.capacity(T)
+            coupling = (
+                rate * flow
+                + self._least(T)
+                + (0.0 if name == "T_up" else A * here.decay * up * self.capacity(T))
             )
             total = total - strong * v + self._upwind(strong, capacity, coupling, v, o)
         turned = -here.decay * (up - here.carried)
