@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from contbed.errors import SceneError
 
@@ -12,23 +12,29 @@ BALANCED = 1e-6  # atoms per mole of reaction within which an equation balances
 
 def stoichiometry(reaction: str) -> dict[str, float]:
     """Moles made of each species by "CO + 0.5 O2 -> CO2"."""
+    left, right = map(_moles, reaction.replace("<->", "->").split("->"))
+    names = dict.fromkeys([*left, *right])
+    return {name: right.get(name, 0.0) - left.get(name, 0.0) for name in names}
+
+
+def _moles(side: str) -> dict[str, float]:
+    """Return the moles of each species on a side, "CO + 0.5 O2"."""
     out: dict[str, float] = {}
-    left, right = reaction.replace("<->", "->").split("->")
-    for side, sign in ((left, -1.0), (right, 1.0)):
-        for term in side.split(" + "):
-            count, _, name = term.strip().rpartition(" ")
-            out[name] = out.get(name, 0.0) + sign * (float(count) if count else 1.0)
+    for term in side.split(" + "):
+        count, _, name = term.strip().rpartition(" ")
+        out[name] = out.get(name, 0.0) + (float(count) if count else 1.0)
     return out
 
 
 @dataclass(frozen=True)
 class Equation:
-    """Moles of each species made per mole of a reaction, and whether it is
-    reversible.
+    """Moles of each species made per mole of a reaction, whether it is reversible, and
+    the moles on the left as they are written.
     """
 
     stoichiometry: Mapping[str, float]
     reversible: bool
+    left: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def of(cls, text: str) -> Equation:
@@ -52,7 +58,9 @@ class Equation:
                 "spaces around +"
             )
         return cls(
-            {name: count for name, count in found.items() if count}, "<->" in text
+            {name: count for name, count in found.items() if count},
+            "<->" in text,
+            _moles(text.replace("<->", "->").partition("->")[0]),
         )
 
 

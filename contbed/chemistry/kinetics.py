@@ -122,14 +122,14 @@ def basis_of(
 
 def _one(case: Case, law: RateLaw, with_effectiveness: bool) -> Reaction:
     table, basis = case.table, law.basis_of(case)
-    used = {*case.equation.stoichiometry, *(table.orders or {})}
+    used = {*case.equation.stoichiometry, *case.orders}
     of_gases = basis == "bed" and not used & set(case.species.solids)
     site = "gas" if basis == "gas" or of_gases else "particle"
     rate = law.rate(case)
     slowed = with_effectiveness and table.diffusivity and site == "particle"
     if slowed and not law.own_film:
         rate = _slowed(rate, case, basis)
-    roots = any(0.0 < n < 1.0 for n in (table.orders or {}).values())
+    roots = any(0.0 <= n < 1.0 for n in case.orders.values())
     if table.rate is not None:
         formula, parameters, _ = formula_of(table, basis)
         roots = formula.has_roots(parameters)

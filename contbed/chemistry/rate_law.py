@@ -68,11 +68,14 @@ class Case:
     @cached_property
     def orders(self) -> dict[str, float]:
         """Orders in species; where none are given the coefficients of gases on the
-        left.
+        left. That of 0 counts in what is used up, without which the rate ends.
         """
         if self.table.orders is not None:
-            return dict(self.table.orders)
-        return {name: -n for name, n in self.gases.items() if n < 0}
+            made = self.equation.stoichiometry
+            given = self.table.orders.items()
+            return {name: n for name, n in given if n or made.get(name, 0.0) < 0.0}
+        left = self.equation.left.items()
+        return {name: n for name, n in left if name in self.species.gases}
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
@@ -209,7 +212,7 @@ def powers(at: Local, orders: Mapping[str, float]) -> Any:
         amount = at.c[name] if name in at.c else at.n[name]
         if n != 1.0:
             small: Any = TINY
-            if at.small.amounts and 0.0 < n < 1.0:
+            if at.small.amounts and 0.0 <= n < 1.0:
                 small = at.small.amounts * (
                     at.all_gases if name in at.c else at.all_solids
                 )

@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contbed.arrays import Array
+from contbed.packed_bed.curved_inlet import PARALLEL
 from contbed.packed_bed.inlets import velocity_key
 from contbed.scene.gas import GasConstant
 from contbed.scene.toml_lines import parse_key
@@ -52,27 +53,51 @@ def along_bed(plan: Any, x: Array, T: Array) -> Stream:
 
     Parameters
     ----------
-    x : coordinate along the bed [m] (n,), increasing
+    x : coordinate along the bed, see `direction` [m] (n,), increasing
     T : temperature of the fluid there [K] (n,)
 
     Returns
     -------
     Stream of arrays (n,); the pressure is zero where the fluid leaves. The trapezoidal rule is used between the points.
     """
-    u, density, gradient = _resistance(plan, T)
+    velocity, density, drag = _resistance(plan, T)
+    way = direction(plan)
+    u, gradient = way @ velocity, way @ drag
     risen = np.concatenate(
         ([0.0], np.cumsum(0.5 * (gradient[1:] + gradient[:-1]) * np.diff(x)))
     )
     pressure = risen - density * u**2 / plan.scene.packed_bed.porosity**2
-    outlet = -1 if plan.velocity[plan.mesh.axis] >= 0 else 0
+    outlet = -1 if way @ plan.velocity >= 0 else 0
     return Stream(u, density, pressure - pressure[outlet])
 
 
-def _resistance(plan: Any, T: Array) -> tuple[Array, Array, Array]:
-    """Return velocity [m/s], density [kg/m3] and the pressure gradient by
-    drag [Pa/m] at temperatures (n,).
+def direction(plan: Any) -> Array:
+    """Return the unit vector of the way along the bed: its axis, or that of the flow
+    through a tilted bed.
     """
-    medium, axis = plan.medium, plan.mesh.axis
+    tilted = is_tilted(plan)
+    way = plan.velocity if tilted else np.eye(len(plan.velocity))[plan.mesh.axis]
+    found: Array = way / np.linalg.norm(way)
+    return found
+
+
+def is_tilted(plan: Any) -> bool:
+    """Return whether the fluid flows from plane to plane at an angle to the axes of the
+    mesh.
+    """
+    from contbed.packed_bed.flow import is_across
+
+    sizes = np.abs(plan.velocity)
+    ends = [name for name, kind in plan.roles.items() if kind in ("inlet", "outlet")]
+    oblique = bool(np.count_nonzero(sizes > PARALLEL * sizes.max()) > 1)
+    return oblique and all(is_across(plan.mesh, name, plan.velocity) for name in ends)
+
+
+def _resistance(plan: Any, T: Array) -> tuple[Array, Array, Array]:
+    """Return velocity [m/s] (dim, n), density [kg/m3] (n,) and the pressure gradient
+    by drag [Pa/m] (dim, n) at temperatures (n,).
+    """
+    medium = plan.medium
     permeability = medium.packing("permeability")
     density = np.broadcast_to(medium.fluid.density(T), T.shape)
     viscosity = np.broadcast_to(medium.fluid.viscosity(T), T.shape)
@@ -83,7 +108,7 @@ def _resistance(plan: Any, T: Array) -> tuple[Array, Array, Array]:
         viscosity / permeability
         + density * medium.packing("forchheimer") / permeability**0.5 * speed
     )
-    return u[axis], density, -drag * w[axis]
+    return u, density, -drag * w
 
 
 def compressed(plan: Any, drop: float) -> str:
@@ -132,7 +157,8 @@ def lifted(plan: Any, T: Array) -> str:
     upwards = velocity > 0 if upright else velocity * solid <= 0
     if medium.solid is None or velocity == 0.0 or not upwards or plan.curved_inlet:
         return ""
-    _, density, gradient = _resistance(plan, T)
+    _, density, drag = _resistance(plan, T)
+    gradient = drag[axis]
     weight = (
         (1.0 - medium.scene.packed_bed.porosity)
         * (medium.solid.density(T) - density)

@@ -11,7 +11,7 @@ from contbed.fields import header
 from contbed.packed_bed import of_heaters
 from contbed.packed_bed.heat import INSIDE
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.pressure import along_bed, lifted
+from contbed.packed_bed.pressure import along_bed, direction, is_tilted, lifted
 from contbed.packed_bed.streams import Streams, outlet_table, streams
 from contbed.result import Result
 from contbed.scene.boundary import FLUXES, conditions_of
@@ -282,7 +282,10 @@ def _stream(
     velocities = [float(each.velocity[axis]) for each in plans]
     space = problem.system.fields["T_fluid"][0]
     _tell_if_lifted(plans, fluid, result)
-    if plan.plug and any(velocities):
+    if plan.plug and is_tilted(plan):
+        T_cells = problem.system.part(states[-1], "T_fluid")[space.dofs].mean(axis=0)
+        _tilted(plan, T_cells, problem.system.cells.weight.sum(axis=-1), result)
+    elif plan.plug and any(velocities):
         whole = line.whole
         if whole is not line:
             fluid = [
@@ -326,6 +329,25 @@ def _along(plans: list[Plan], line: Line, x: Any, fluid: Any, result: Result) ->
     return last.u
 
 
+def _tilted(plan: Plan, T: Any, sizes: Any, result: Result) -> None:
+    """Report pressure drop and residence time along the flow through a tilted bed, from
+    the temperatures of the fluid in its cells [K] and their sizes (ncells,), of which
+    those at one place along the flow have one mean.
+    """
+    grid = plan.mesh.skfem
+    along = direction(plan) @ grid.p
+    order = np.argsort(along[grid.t].mean(axis=0))
+    T, sizes, length = T[order], sizes[order] / sizes.sum(), float(np.ptp(along))
+    x = length * np.concatenate([[0.0], np.cumsum(sizes) - 0.5 * sizes, [1.0]])
+    stream = along_bed(plan, x, np.pad(T, 1, "edge"))
+    result.qoi["pressure_drop_Pa"] = float(
+        abs(stream.pressure[0] - stream.pressure[-1])
+    )
+    result.qoi["residence_time_s"] = plan.scene.packed_bed.porosity * _integral(
+        1.0 / np.abs(stream.u), x
+    )
+
+
 def plug_findings(plan: Plan, line: Line, result: Result) -> None:
     """Fill in what plug flow gives without temperatures: velocity, density and
     pressure along the bed, pressure drop and residence time.
@@ -334,9 +356,13 @@ def plug_findings(plan: Plan, line: Line, result: Result) -> None:
     T = np.full(len(x), plan.medium.T_fluid_in)
     _tell_if_lifted([plan], [T], result)
     result.profiles = {header(plan.coordinate): line.positions}
-    u = _along([plan], line, x, [T], result)
-    porosity = plan.scene.packed_bed.porosity
-    result.qoi["residence_time_s"] = porosity * _integral(1.0 / np.abs(u), x)
+    if is_tilted(plan):
+        cells = np.ones(plan.mesh.skfem.nelements)
+        _tilted(plan, T[0] * cells, cells, result)
+    else:
+        u = _along([plan], line, x, [T], result)
+        porosity = plan.scene.packed_bed.porosity
+        result.qoi["residence_time_s"] = porosity * _integral(1.0 / np.abs(u), x)
     result.closures = [use.to_dict() for use in plan.medium.ranges()]
 
 

@@ -113,6 +113,20 @@ class Plan:
             mesh=mesh_of(scene, nodes(scene)),
         )
 
+    def by_ordinates(self) -> Plan | None:
+        """Return the plan of the same medium by ordinates, with which P1 and two-flux
+        are compared; None where these cost more, or solve it already.
+        """
+        table = self.scene.radiation
+        line = isinstance(self.scene.mesh, MeshLine)
+        if table.level not in NAMES or not line or table.conductivity:
+            return None
+        update = {"level": "ordinates"}
+        scene = self.scene.model_copy(
+            update={"radiation": table.model_copy(update=update)}
+        )
+        return plan(scene)
+
     def __str__(self) -> str:
         return plan_text(self, advice(self.unknowns(), self.policy))
 

@@ -26,6 +26,7 @@ TOLERANCE = 1e-10
 # points along the medium at which solutions with different ordinates are compared
 SAMPLES = 41
 SMALL_FLUX = 1e-6  # share of G
+FAR = 0.02  # share of the heat from which the error of P1 and two-flux is said
 
 
 @dataclass(frozen=True)
@@ -48,15 +49,8 @@ def run(
     folder.
     """
     with result.timed("radiation"):
-        problem, state = _solved(plan, result)
-        error = None
-        while (finer := plan.with_more_ordinates()) is not None and not (
-            error is not None and error <= plan.scene.solver.tolerance
-        ):
-            before, of_before = problem, state
-            plan = result.plan = finer
-            problem, state = _solved(plan, result)
-            error = _angular_error(before, of_before, problem, state)
+        plan, problem, state, error = _with_enough_ordinates(plan, result)
+        result.plan = plan
     line = line_along(plan.mesh, plan.scene.output.positions, plan.scene.output.across)
     result.warnings += [line.note] if line.note else []
     if error is not None:
@@ -76,6 +70,50 @@ def run(
         floor=max(held, rounding),
     ).as_dict()
     fill(plan, line, problem, state, fluxes, conducted, result)
+    if (reference := plan.by_ordinates()) is not None:
+        with result.timed("ordinates"):
+            _compare(plan, fluxes, reference, result)
+
+
+def _with_enough_ordinates(
+    plan: Plan, result: Result
+) -> tuple[Plan, RadiationProblem | OrdinatesProblem, Any, float | None]:
+    """Return the plan that was solved, its problem and state, and the estimated error
+    by the number of ordinates; None where their number is given.
+    """
+    problem, state = _solved(plan, result)
+    error = None
+    while (finer := plan.with_more_ordinates()) is not None and not (
+        error is not None and error <= plan.scene.solver.tolerance
+    ):
+        before, of_before, plan = problem, state, finer
+        problem, state = _solved(plan, result)
+        error = _angular_error(before, of_before, problem, state)
+    return plan, problem, state, error
+
+
+def _compare(
+    plan: Plan, fluxes: dict[str, float], reference: Plan, result: Result
+) -> None:
+    """Fill in the error of P1 or two-flux by its directions: the difference of the
+    heats at the boundaries from those by ordinates, over the largest.
+    """
+    _, problem, state, _ = _with_enough_ordinates(reference, Result(reference))
+    exact = problem.fluxes(state)
+    scale = max(map(abs, exact.values()), default=0.0)
+    if scale <= SMALL_FLUX * float(np.abs(problem.incident(state)).max()):
+        return
+    name = max(exact, key=lambda each: abs(fluxes[each] - exact[each]))
+    error = (fluxes[name] - exact[name]) / scale
+    result.qoi["estimated_error_angles"] = abs(error)
+    if abs(error) > FAR:
+        table = plan.scene.radiation
+        result.warnings.append(
+            f"{plan.scene.origin.at(('radiation', 'level'))}: radiation.level = "
+            f'"{table.level}": the heat through boundary.{name} is off by '
+            f"{100.0 * abs(error):.2g} % of the largest, by ordinates: use level = "
+            '"ordinates"'
+        )
 
 
 def _solved(

@@ -125,5 +125,7 @@ def species_named(reaction: str, table: Reaction) -> set[str]:
     ------
     SceneError : it has no equation or law, or one that cannot be read
     """
-    of_rate = {*(table.orders or {}), *law_of(reaction, table).gases}
+    equations = equations_of(reaction, table).values()
+    left = {name for equation in equations for name in equation.left}
+    of_rate = {*(table.orders or left), *law_of(reaction, table).gases}
     return species_in(reaction, table) | of_rate
