@@ -59,8 +59,7 @@ class Bed:
 
     Attributes: `T` (n,) [K]; `force` [N] and `received` [W] of the last step; `above`
         number of particles that were
-    above the grid, counted at every step of the gas; `radiated` heat [J] that radiation
-    did not balance; `from_tubes` heat [J] that each tube has given.
+    above the grid, counted at every step of the gas; `from_tubes` heat [J] that each tube has given.
     """
 
     def __init__(
@@ -98,10 +97,10 @@ class Bed:
             else np.array(np.broadcast_to(np.asarray(T, dtype=float), (n,)))
         )
         self.capacity = simulation.mass * heat_capacity
-        self.time, self.above, self.radiated, self._next = 0.0, 0, 0.0, 0.0
+        self.time, self.above, self._next = 0.0, 0, 0.0
         self.force, self.received = np.zeros((n, 3)), np.zeros(n)
         self._top = float(gas.grid.lower[2] + gas.grid.count[2] * gas.grid.size[2])
-        self._network: tuple[heat.Pairs, Array] | None = None
+        self._network: tuple[heat.Pairs, Array, Array] | None = None
         self._start: tuple[float, float, float] | None = None
 
     @property
@@ -167,7 +166,7 @@ class Bed:
             "stored": stored,
             "in": sums["heat_in"],
             "out": sums["heat_out"],
-            "source": self.radiated + given,
+            "source": given,
         }
 
     def state(self) -> dict[str, Array]:
@@ -185,17 +184,16 @@ class Bed:
         if self.T is not None:
             arrays["T"] = self.T.copy()
         if self._network is not None:
-            pairs, G = self._network
+            pairs, G, radiant = self._network
             arrays |= {
                 "pair_i": pairs.i,
                 "pair_j": pairs.j,
                 "pair_vector": pairs.vector,
                 "pair_G": G,
+                "pair_radiant": radiant,
             }
         start = self._start or (np.nan, np.nan, np.nan)
-        return arrays | {
-            "bed": np.array([self.time, self.above, self.radiated, self._next, *start])
-        }
+        return arrays | {"bed": np.array([self.time, self.above, self._next, *start])}
 
     def restore(self, state: Mapping[str, Array]) -> None:
         """Continue from the arrays of `state`, bit for bit."""
@@ -211,7 +209,7 @@ class Bed:
             np.array(state["received"]),
         )
         self.from_tubes = np.array(state["from_tubes"])
-        self.time, above, self.radiated, self._next, *start = state["bed"].tolist()
+        self.time, above, self._next, *start = state["bed"].tolist()
         self.above, self._start = (
             int(above),
             None if np.isnan(start[0]) else (start[0], start[1], start[2]),
@@ -222,7 +220,11 @@ class Bed:
             first = np.array(state["pair_i"], dtype=np.int64)
             second = np.array(state["pair_j"], dtype=np.int64)
             pairs = heat.Pairs(first, second, np.array(state["pair_vector"]))
-            self._network = pairs, np.array(state["pair_G"])
+            self._network = (
+                pairs,
+                np.array(state["pair_G"]),
+                np.array(state["pair_radiant"]),
+            )
 
     @deferred_interrupt()
     def _advance(self, longest: float) -> None:
@@ -276,30 +278,25 @@ class Bed:
             if self._network is None or self.time >= self._next * (1.0 - 1e-12):
                 self._connect()
             assert self._network is not None
-            pairs, G = self._network
+            pairs, G, radiant = self._network
             flow = G * (T[pairs.j] - T[pairs.i])
+            flow += radiant * (T[pairs.j] ** 4 - T[pairs.i] ** 4)
             heat_rate = (
                 heat_rate
                 + np.bincount(pairs.i, flow, len(T))
                 - np.bincount(pairs.j, flow, len(T))
             )
-            if self.emissivity > 0.0:
-                Q = self._radiation(pairs)
-                heat_rate = heat_rate + Q
-                self.radiated += dt * float(Q.sum())
         self.T = T + dt * heat_rate / self.capacity
 
     def _connect(self) -> None:
         self._next = self.time + self.heat_interval
         solid = self.solid or Solid(0.0)
-        pairs, parts = solid.exchange(self.simulation, self.gas.around(self.motion))
-        self._network = pairs, heat.total(parts)
-
-    def _radiation(self, pairs: heat.Pairs) -> Array:
-        """Find the heat that particles receive by radiation [W]."""
-        assert self.T is not None
-        d_p, around = 2.0 * self.simulation.radius, self.gas.around(self.motion)
-        local = heat.surroundings(
-            pairs, self.T, around.T, around.eps, float(d_p.mean())
-        )
-        return heat.radiation(self.T, local, d_p, self.emissivity)[0]
+        around, d_p = self.gas.around(self.motion), 2.0 * self.simulation.radius
+        pairs, parts = solid.exchange(self.simulation, around)
+        radiant = np.zeros(len(pairs.i))
+        if self.emissivity > 0.0:
+            # 4 T^3 is the slope of T^4
+            radiant = 0.25 * heat.radiation_conductance(
+                pairs, len(d_p), 1.0, float(d_p.mean()), self.emissivity, around.eps
+            )
+        self._network = pairs, heat.total(parts), radiant

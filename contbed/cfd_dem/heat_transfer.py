@@ -49,7 +49,8 @@ class Average:
 
     `mean` maps mechanisms to (n,) [W/m2/K], `coordination` is the mean number of
     touching neighbours; `Re`, `eps` are those at the particles (n,), `Pr` their mean,
-    averaged over the calls.
+    averaged over the calls. Radiation is that at the mean temperature of the particles,
+    `T` [K] where they have none.
     """
 
     def __init__(self, solid: Solid, emissivity: float = 0.0, T: float = 300.0):
@@ -77,7 +78,8 @@ class Average:
     @deferred_interrupt()
     def __call__(self, bed: Bed) -> None:
         """Take the bed as it is now into the average."""
-        found = coefficients(bed, self.solid, self.emissivity, self.T)
+        T = self.T if bed.T is None else float(bed.T.mean())
+        found = coefficients(bed, self.solid, self.emissivity, T)
         around = bed.gas.around(bed.motion)
         z = 2.0 * len(bed.simulation.contacts()) / len(bed.simulation.position)
         old = self.count / (self.count + 1.0)

@@ -39,7 +39,6 @@ def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
         result.qoi |= {
             "T_solid_mean_K": float(np.average(bed.T, weights=bed.capacity)),
             "T_fluid_max_K": float(bed.gas.T.max()),
-            "radiation_not_balanced [J]": bed.radiated,
         }
     result.qoi |= {
         "time [s]": bed.time,

@@ -203,42 +203,18 @@ def convection(Re: Any, Pr: Any, k_fluid: Any, d_p: Any) -> Any:
     return (2.0 + 1.2 * Re**0.5 * Pr ** (1 / 3)) * k_fluid / d_p
 
 
-def surroundings(pairs: Pairs, T: Array, T_fluid: Any, eps: Any, d_p: float) -> Array:
-    """Find the temperature that each particle sees [K], eps T_f + (1 - eps) mean of
-    the particles within 1.5 d_p (Eq. 9); one without such neighbours sees the fluid.
-    """
-    near = pairs.distance <= VIEW * d_p
-    close = Pairs(pairs.i[near], pairs.j[near], pairs.vector[near])
-    count = _gather(len(T), close, None, None)
-    total = _gather(len(T), close, T[close.j], T[close.i])
-    seen = np.where(count > 0, total / np.maximum(count, 1.0), T_fluid)
-    return np.asarray(eps * T_fluid + (1.0 - eps) * seen, dtype=float)
-
-
-def radiation(
-    T: Array, T_local: Array, d_p: Any, emissivity: Any
-) -> tuple[Array, float]:
-    """Find the heat that each particle receives by radiation [W] (Eq. 8) and the
-    imbalance of the assembly.
-
-    Q = sigma e A (T_local^4 - T^4). What one particle emits is not what the others
-    receive: the second value is the sum of Q over the sum of |Q|, 0 if the assembly
-    kept its energy. `radiation_conductance` is the reciprocal form.
-    """
-    Q = STEFAN_BOLTZMANN * emissivity * np.pi * d_p**2 * (T_local**4 - T**4)
-    largest = float(np.abs(Q).sum())
-    return Q, float(Q.sum()) / largest if largest > 0 else 0.0
-
-
 def radiation_conductance(
     pairs: Pairs, count: int, T: float, d_p: float, emissivity: float, eps: ArrayLike
 ) -> Array:
-    """Linearise Eqs. 8-9 to reciprocal conductances [W/K] of the pairs within 1.5 d_p.
+    """Return the reciprocal conductances [W/K] of the pairs within 1.5 d_p that have the
+    slope of Eqs. 8-9.
 
         G_ij = 4 sigma e T^3 pi d^2 (1 - eps) (1/n_i + 1/n_j)/2
 
     with n the number of neighbours and the fluid at the temperature of the particle;
-    other pairs get 0. In a vacuum, eps = 0 here, neighbours are all that is seen.
+    other pairs get 0. In a vacuum, eps = 0 here, neighbours are all that is seen. Eqs.
+    8-9 themselves do not keep the energy: particles would lose heat to a gas that does
+    not take it. Pairs exchange G_ij (T_j^4 - T_i^4)/(4 T^3), by which nothing is lost.
     """
     seen = pairs.distance <= VIEW * d_p
     n = np.maximum(_gather(count, pairs, 1.0 * seen, 1.0 * seen), 1.0)

@@ -38,6 +38,7 @@ from contbed.packed_bed.recognition import (
     curved_inlet,
     is_plug_flow,
     reduced,
+    require_walls_along_solids,
     roles_in_flow,
     tracks_fronts,
     velocities,
@@ -419,6 +420,7 @@ def plan(scene: s.Scene) -> Plan:
             "cells are refined by errors; use triangles, leave out mesh.cells, or use "
             "mesh.refine for all cells"
         )
+    require_walls_along_solids(target, mesh)
     plug = is_plug_flow(target, mesh)
     if not plug:
         require_plug_flow(written)

@@ -280,6 +280,34 @@ def is_plug_flow(scene: s.Scene, mesh: Mesh) -> bool:
     return all(along) and not beside
 
 
+def require_walls_along_solids(scene: s.Scene, mesh: Mesh) -> None:
+    """Require that particles, which move alike everywhere, pass through no wall.
+
+    Raises
+    ------
+    SceneError : a wall is neither along nor across their way
+    """
+    from contbed.packed_bed.flow import is_across, passes_along
+
+    velocity = velocities(scene)[1]
+    if not np.any(velocity):
+        return
+    for name, table in scene.boundary.items():
+        wall = table.type in ("no_slip", "slip") or table.whole or table.radiation
+        if not wall or name not in mesh.boundaries:
+            continue
+        if not passes_along(mesh, name, velocity) and not is_across(
+            mesh, name, velocity
+        ):
+            raise SceneError(
+                f"{scene.origin.at(('boundary', name))}: boundary.{name}: the particles "
+                "move alike everywhere and would pass through this wall, which is "
+                "neither along nor across their way: cut the mesh to a bed of one "
+                'section, or take model = "two_fluid", whose particles flow around '
+                "walls"
+            )
+
+
 @contextmanager
 def _of_file(file: str) -> Iterator[None]:
     """Name the file of a scene in its mistakes."""

@@ -221,37 +221,24 @@ def test_voronoi_cells_fill_the_box(periodic):
     assert np.abs(sums[inner]).max() < 1e-13
 
 
-def test_surroundings_and_radiation():
-    x = np.random.default_rng(3).random((60, 3))
-    same = np.full(60, 900.0)
-    pairs = heat.near_pairs(x, 0.3, CUBE, CLOSED)
-    local = heat.surroundings(pairs, same, 900.0, 0.4, 0.2)
-    assert local == approx(same, rel=1e-15)
-    Q, imbalance = heat.radiation(same, local, 0.2, 0.8)
-    assert np.abs(Q).max() < 1e-8  # rounding of 900^4 against itself
-    T = 900.0 + 100.0 * x[:, 2]
-    local = heat.surroundings(pairs, T, T, 0.4, 0.2)
-    Q, imbalance = heat.radiation(T, local, 0.2, 0.8)
-    assert 1e-3 < abs(imbalance) < 0.5
-    far = heat.near_pairs(np.array([[0.0, 0, 0], [9.0, 9, 9]]), 20.0)
-    lonely = heat.surroundings(far, np.array([300.0, 400.0]), 350.0, 0.4, 1.0)
-    assert lonely == approx([350.0, 350.0])  # nobody near: the fluid alone
-
-
-def test_radiation_as_conductances_is_the_slope_of_the_exchange():
-    # on a lattice every particle has as many neighbours as the next: then both forms
-    # are the same
+def test_radiation_between_pairs_is_that_of_eqs_8_and_9_on_a_lattice():
+    """4 sigma e A T^3 (T_seen - T) of one particle, T_seen = eps T + (1 - eps) mean of
+    its neighbours: every particle of a lattice has as many as the next, and T varies by
+    1e-6 of itself.
+    """
     side = np.arange(4.0)
     x = np.stack(np.meshgrid(side, side, side), -1).reshape(-1, 3)
     box = (np.zeros(3), np.full(3, 4.0))
     T = 1000.0 + 1e-3 * np.random.default_rng(4).random(64)
     pairs = heat.near_pairs(x, 1.5, box, CLOSED)
-    Q, _ = heat.radiation(T, heat.surroundings(pairs, T, T, 0.4, 1.0), 1.0, 0.7)
+    both = np.concatenate([pairs.i, pairs.j]), np.concatenate([pairs.j, pairs.i])
+    mean = np.bincount(both[0], T[both[1]], 64) / np.bincount(both[0], minlength=64)
+    slope = 4.0 * 5.670374419e-8 * 0.7 * np.pi * 1000.0**3
+    wanted = slope * (1.0 - 0.4) * (mean - T)
     G = heat.radiation_conductance(pairs, 64, 1000.0, 1.0, 0.7, 0.4)
     flow = G * (T[pairs.j] - T[pairs.i])
-    linear = np.bincount(pairs.i, flow, 64) - np.bincount(pairs.j, flow, 64)
-    # T varies by 1e-6 of itself
-    assert approx(linear, abs=5e-6 * np.abs(linear).max()) == Q
+    found = np.bincount(pairs.i, flow, 64) - np.bincount(pairs.j, flow, 64)
+    assert found == approx(wanted, abs=5e-6 * np.abs(wanted).max())
 
 
 def test_convection():

@@ -89,6 +89,27 @@ def test_other_orders_end_at_a_point(n):
     assert found.qoi["conversion_A"] == approx(1.0, abs=1e-10)
 
 
+def test_order_zero_ends_where_nothing_is_left():
+    """A falls by a straight line; outside of the cell where it ends, see `solved`."""
+    rate = MOLAR * SPEED / (EPS * 0.7)
+    found = contbed.run(from_dict(bed(A=rate, E=0.0, orders={"A": 0.0})))
+    assert_closed(found, CLOSED, "H")
+    away = np.abs(X - 0.7) > 0.1
+    wanted = np.maximum(1.0 - X / 0.7, 0.0)[away]
+    assert found.profiles["x_A [1]"][away] == approx(wanted, abs=3e-5)
+    assert found.qoi["conversion_A"] == approx(1.0, abs=1e-10)
+
+
+def test_what_is_made_counts_where_it_is_on_the_left():
+    """Autocatalysis without orders, by the logistic curve: the error of the cells."""
+    scene = bed(40, A=1.0, E=0.0)
+    set_keys(scene, 'reactions.r.equation = "A + B -> 2 B"')
+    set_keys(scene, 'gas.composition = "A:0.99, B:0.01"')
+    found = contbed.run(from_dict(scene))
+    grown = 0.01 / 0.99 * np.exp(EPS * MOLAR * X / SPEED)
+    assert found.profiles["x_B [1]"] == approx(grown / (1.0 + grown), abs=1e-5)
+
+
 def test_two_gases_that_end_at_once_or_one_of_them():
     scene = bed(rate="20*sqrt(c_A)*sqrt(c_C)")
     scene["gas"]["species"] |= species(C=0.028, D=0.028)

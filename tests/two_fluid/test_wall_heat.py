@@ -420,6 +420,29 @@ def test_radiation_to_particles():
     assert found["heat_left_W"] == approx(exact, rel=1e-3)
 
 
+@pytest.mark.parametrize("eps", [0.01, 1e-6])
+def test_radiation_to_few_particles(eps):
+    """Spheres of geometric optics within ten diameters intercept 1 - exp(-15 eps) of
+    it, so that a suspension without heat capacity stays as it is.
+    """
+    made = in_scene(
+        2,
+        closures__wall_heat=0.0,
+        boundary__left__temperature=1000.0,
+        boundary__left__emissivity=0.9,
+        solids__beads__emissivity=0.64,
+        initial__solids__beads__volume_fraction=eps,
+        time={"end": 1e-3},
+    )
+    del made["closures"]["conductivity_bed"]
+    bed_emissivity = 2 * 0.8 / 1.8
+    both = 1.0 / (1.0 / 0.9 + 1.0 / bed_emissivity - 1.0)
+    exact = 5.670374419e-8 * both * (1000.0**4 - 300.0**4) * -np.expm1(-15.0 * eps)
+    found = cb.run(from_dict(made)).qoi
+    assert found["heat_left_W"] == approx(exact, rel=1e-2)
+    assert found["T_solid_max"] < 305.0
+
+
 def test_radiation_and_conduction_on_any_mesh():
     """A hot wall that also radiates: the same heat from coarse and fine cells."""
     hot = {

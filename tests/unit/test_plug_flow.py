@@ -356,3 +356,63 @@ def test_walls_of_an_elbow_have_one_name(tmp_path, walls):
     drop = squares * 2e-5 / 1e-8 * 1e-3 * 0.1
     assert result.qoi["pressure_drop_Pa"] == approx(drop, rel=1e-3)
     assert result.balances["fluid volume"]["out"] == approx(1e-4, rel=1e-9)
+
+
+TILTED = """
+p = Pi/6;
+Point(1) = {{0, 0, 0, {size}}};
+Point(2) = {{0.5 * Cos(p), 0.5 * Sin(p), 0, {size}}};
+Point(3) = {{0.5 * Cos(p) - 0.1 * Sin(p), 0.5 * Sin(p) + 0.1 * Cos(p), 0, {size}}};
+Point(4) = {{-0.1 * Sin(p), 0.1 * Cos(p), 0, {size}}};
+Line(1) = {{1, 2}}; Line(2) = {{2, 3}}; Line(3) = {{3, 4}}; Line(4) = {{4, 1}};
+Curve Loop(1) = {{1, 2, 3, 4}};
+Plane Surface(1) = {{1}};
+Physical Curve("floor") = {{1}};
+Physical Curve("outlet") = {{2}};
+Physical Curve("roof") = {{3}};
+Physical Curve("inlet") = {{4}};
+Physical Surface("bed") = {{1}};
+"""
+
+
+@pytest.mark.parametrize("heated", [False, True])
+def test_a_tilted_duct_has_the_drop_of_its_length(tmp_path, heated):
+    """Ergun's drop over 0.5 m, though the profile is a line across: round-off."""
+    (tmp_path / "tilted.geo").write_text(TILTED.format(size=0.02))
+    scene = HEATED.replace("tube.geo", "tilted.geo").replace(
+        "dimension = 3", "dimension = 2"
+    )
+    scene = scene.replace("boundary.bottom", "boundary.inlet").replace(
+        "wall]", "floor]"
+    )
+    scene = scene.replace("velocity = 0.5", "velocity = 0.5").replace(
+        "2000", "2000" if heated else "0"
+    )
+    scene += '[boundary.outlet]\ntype = "outlet"\n'
+    (tmp_path / "scene.toml").write_text(scene)
+    qoi = cb.run(cb.load(tmp_path / "scene.toml", trust=True)).qoi
+    gradient = 150.0 * 2e-5 * 0.6**2 * 0.5 / (0.4**3 * 0.003**2)
+    gradient += 1.75 * 1.1 * 0.6 * 0.25 / (0.4**3 * 0.003)
+    assert qoi["pressure_drop_Pa"] == approx(0.5 * gradient, rel=1e-9)
+    assert qoi["residence_time_s"] == approx(0.4 * 0.5 / 0.5, rel=1e-9)
+
+
+def test_particles_pass_through_no_wall(tmp_path):
+    """They went through the roof of a cone, and its heat was what they carried."""
+    heat = "\n[heat]\n[closures]\nnusselt = 4\n"
+    scene = SCENE.replace('type = "ROOF"', "coefficient = 20\nambient = 300").replace(
+        "viscosity", "heat_capacity = 1e3\nconductivity = 0.03\nviscosity"
+    )
+    scene = scene.replace(
+        "density = 2500", "density = 2500\nheat_capacity = 900\nconductivity = 1"
+    )
+    scene = scene.replace(
+        "gas.velocity = [0.2, 0.0]",
+        "gas = { velocity = [0.2, 0.0], temperature = 300 }\n"
+        "solids.beads = { velocity = [1e-3, 0.0], temperature = 500 }",
+    )
+    (tmp_path / "duct.msh").write_text(MSH.replace("HEIGHT", "0.5"))
+    refused(
+        "boundary.roof: the particles move alike everywhere",
+        lambda: plan(loads(scene + heat, "scene.toml", base=tmp_path)),
+    )

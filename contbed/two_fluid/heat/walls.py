@@ -16,6 +16,10 @@ from contbed.two_fluid.heat.wall_layer import Response, Surroundings, respond, s
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.state import Energy, WallMemory
 
+# diameters of particles from a wall within which they take its radiation: all of it in a
+# bed to 1e-4
+DEPTH = 10.0
+
 
 class FromWalls(NamedTuple):
     """Heat from nl wall faces to gas and particles of the cells there.
@@ -86,11 +90,13 @@ def _with_contact(
     at: Surroundings, eps_s: Array, heat: HeatModel, model: Model
 ) -> Surroundings:
     """Return the surroundings with the resistance of a gap of gas before the particles,
-    and the radiation to these.
+    and the radiation to these: particles within `DEPTH` intercept 1 - exp(-K DEPTH d_p),
+    K = 1.5 eps_s/d_p (spheres of geometric optics), and where few fly the rest passes.
     """
     w, faces = heat.layers, heat.layers.face - model.grid.interior
     dense = eps_s[w.cell] / model.materials.eps_max
-    radiation = SIGMA * heat.at_faces.emissivity[faces]
+    intercepted = -np.expm1(-1.5 * DEPTH * eps_s[w.cell])
+    radiation = SIGMA * heat.at_faces.emissivity[faces] * intercepted
     return at._replace(resistance=dense * heat.at_faces.gap[faces], radiation=radiation)
 
 
