@@ -60,7 +60,7 @@ def along_bed(plan: Any, x: Array, T: Array) -> Stream:
     -------
     Stream of arrays (n,); the pressure is zero where the fluid leaves. The trapezoidal rule is used between the points.
     """
-    velocity, density, drag = _resistance(plan, T)
+    velocity, density, drag = resistance(plan, T)
     way = direction(plan)
     u, gradient = way @ velocity, way @ drag
     risen = np.concatenate(
@@ -81,6 +81,11 @@ def direction(plan: Any) -> Array:
     return found
 
 
+def along_way(plan: Any) -> float:
+    """Return the length of the bed in its `direction` [m]."""
+    return float(np.ptp(direction(plan) @ plan.mesh.skfem.p))
+
+
 def is_tilted(plan: Any) -> bool:
     """Return whether the fluid flows from plane to plane at an angle to the axes of the
     mesh.
@@ -93,7 +98,7 @@ def is_tilted(plan: Any) -> bool:
     return oblique and all(is_across(plan.mesh, name, plan.velocity) for name in ends)
 
 
-def _resistance(plan: Any, T: Array) -> tuple[Array, Array, Array]:
+def resistance(plan: Any, T: Array) -> tuple[Array, Array, Array]:
     """Return velocity [m/s] (dim, n), density [kg/m3] (n,) and the pressure gradient
     by drag [Pa/m] (dim, n) at temperatures (n,).
     """
@@ -157,7 +162,7 @@ def lifted(plan: Any, T: Array) -> str:
     upwards = velocity > 0 if upright else velocity * solid <= 0
     if medium.solid is None or velocity == 0.0 or not upwards or plan.curved_inlet:
         return ""
-    _, density, drag = _resistance(plan, T)
+    _, density, drag = resistance(plan, T)
     gradient = drag[axis]
     weight = (
         (1.0 - medium.scene.packed_bed.porosity)

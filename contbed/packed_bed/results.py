@@ -6,12 +6,20 @@ from typing import Any
 
 import numpy as np
 
+from contbed.fem.ad.dual import plain
 from contbed.fem.probe import Line
 from contbed.fields import header
 from contbed.packed_bed import of_heaters
 from contbed.packed_bed.heat import INSIDE
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.pressure import along_bed, direction, is_tilted, lifted
+from contbed.packed_bed.pressure import (
+    along_bed,
+    along_way,
+    direction,
+    is_tilted,
+    lifted,
+    resistance,
+)
 from contbed.packed_bed.streams import Streams, outlet_table, streams
 from contbed.result import Result
 from contbed.scene.boundary import FLUXES, conditions_of
@@ -282,18 +290,19 @@ def _stream(
     velocities = [float(each.velocity[axis]) for each in plans]
     space = problem.system.fields["T_fluid"][0]
     _tell_if_lifted(plans, fluid, result)
-    if plan.plug and is_tilted(plan):
-        T_cells = problem.system.part(states[-1], "T_fluid")[space.dofs].mean(axis=0)
-        _tilted(plan, T_cells, problem.system.cells.weight.sum(axis=-1), result)
-    elif plan.plug and any(velocities):
+    if plan.plug and any(velocities):
         whole = line.whole
         if whole is not line:
             fluid = [
                 whole.probe(space, problem.system.part(state, "T_fluid"))
                 for state in states
             ]
-        u = _along(plans, line, whole.positions, fluid, result)
-        if velocities[-1]:
+        tilted = is_tilted(plan)
+        if not tilted:
+            u = _along(plans, line, whole.positions, fluid, result)
+        if velocities[-1] and (tilted or not (_crosses(plan) or _is_line(plan))):
+            _through_sections(plan, problem, states[-1], result)
+        elif velocities[-1]:
             mean = (
                 _integral(1.0 / np.abs(u), whole.positions)
                 if not _crosses(plan)
@@ -329,23 +338,28 @@ def _along(plans: list[Plan], line: Line, x: Any, fluid: Any, result: Result) ->
     return last.u
 
 
-def _tilted(plan: Plan, T: Any, sizes: Any, result: Result) -> None:
-    """Report pressure drop and residence time along the flow through a tilted bed, from
-    the temperatures of the fluid in its cells [K] and their sizes (ncells,), of which
-    those at one place along the flow have one mean.
+def _through_sections(plan: Plan, problem: Any, state: Any, result: Result) -> None:
+    """Report pressure drop and residence time by means over the sections of a bed, whose
+    temperatures differ across the flow or which is tilted, see `pressure`.
     """
-    grid = plan.mesh.skfem
-    along = direction(plan) @ grid.p
-    order = np.argsort(along[grid.t].mean(axis=0))
-    T, sizes, length = T[order], sizes[order] / sizes.sum(), float(np.ptp(along))
-    x = length * np.concatenate([[0.0], np.cumsum(sizes) - 0.5 * sizes, [1.0]])
-    stream = along_bed(plan, x, np.pad(T, 1, "edge"))
-    result.qoi["pressure_drop_Pa"] = float(
-        abs(stream.pressure[0] - stream.pressure[-1])
-    )
-    result.qoi["residence_time_s"] = plan.scene.packed_bed.porosity * _integral(
-        1.0 / np.abs(stream.u), x
-    )
+    medium, way, cells = plan.medium, direction(plan), problem.system.cells
+
+    def against(unknowns: Any, o: Any) -> Any:
+        T = plain(unknowns.T_fluid)
+        return -(way @ resistance(plan, T.ravel())[2]).reshape(T.shape)
+
+    held = problem.system.integrate(against, [cells], state)
+    friction = held * along_way(plan) / float(np.sum(cells.weight))
+    flux = medium.mass_flux_scale() * float(np.linalg.norm(plan.velocity))
+    momentum = [
+        (flux / medium.scene.packed_bed.porosity) ** 2 / float(medium.fluid.density(T))
+        for side in streams(problem, state)
+        for _, T in [side["fluid"]]
+    ]
+    drop = abs(friction) + momentum[0] - momentum[1]
+    result.qoi["pressure_drop_Pa"] = float(drop)
+    porosity = medium.scene.packed_bed.porosity
+    result.qoi["residence_time_s"] = porosity * _mean_stay(medium, problem, state)
 
 
 def plug_findings(plan: Plan, line: Line, result: Result) -> None:
@@ -356,14 +370,21 @@ def plug_findings(plan: Plan, line: Line, result: Result) -> None:
     T = np.full(len(x), plan.medium.T_fluid_in)
     _tell_if_lifted([plan], [T], result)
     result.profiles = {header(plan.coordinate): line.positions}
+    porosity = plan.scene.packed_bed.porosity
     if is_tilted(plan):
-        cells = np.ones(plan.mesh.skfem.nelements)
-        _tilted(plan, T[0] * cells, cells, result)
+        u, _, drag = resistance(plan, T[:1])
+        way, length = direction(plan), along_way(plan)
+        result.qoi["pressure_drop_Pa"] = abs(float(way @ drag[:, 0])) * length
+        stay = length / float(np.linalg.norm(u))
     else:
-        u = _along([plan], line, x, [T], result)
-        porosity = plan.scene.packed_bed.porosity
-        result.qoi["residence_time_s"] = porosity * _integral(1.0 / np.abs(u), x)
+        speed = np.abs(_along([plan], line, x, [T], result))
+        stay = _integral(1.0 / speed, x)
+    result.qoi["residence_time_s"] = porosity * stay
     result.closures = [use.to_dict() for use in plan.medium.ranges()]
+
+
+def _is_line(plan: Plan) -> bool:
+    return bool(plan.mesh.skfem.dim() == 1)
 
 
 def _crosses(plan: Plan) -> bool:
