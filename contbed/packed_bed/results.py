@@ -332,9 +332,9 @@ def _along(plans: list[Plan], line: Line, x: Any, fluid: Any, result: Result) ->
             values = [np.interp(line.positions, x, value) for value in values]
         result.profiles[header(name)] = np.concatenate(values)
     plan, last = plans[-1], streams[-1]
-    if plan.velocity[plan.mesh.axis]:
-        drop = abs(last.pressure[-1] - last.pressure[0])
-        result.qoi["pressure_drop_Pa"] = float(drop)
+    if along := plan.velocity[plan.mesh.axis]:
+        # where particles drag the fluid along it is below zero
+        result.qoi["pressure_drop_Pa"] = float(last.pressure[0 if along > 0 else -1])
     return last.u
 
 
@@ -350,13 +350,14 @@ def _through_sections(plan: Plan, problem: Any, state: Any, result: Result) -> N
 
     held = problem.system.integrate(against, [cells], state)
     friction = held * along_way(plan) / float(np.sum(cells.weight))
+    friction *= np.sign(way @ plan.velocity)
     flux = medium.mass_flux_scale() * float(np.linalg.norm(plan.velocity))
     momentum = [
         (flux / medium.scene.packed_bed.porosity) ** 2 / float(medium.fluid.density(T))
         for side in streams(problem, state)
         for _, T in [side["fluid"]]
     ]
-    drop = abs(friction) + momentum[0] - momentum[1]
+    drop = friction + momentum[0] - momentum[1]
     result.qoi["pressure_drop_Pa"] = float(drop)
     porosity = medium.scene.packed_bed.porosity
     result.qoi["residence_time_s"] = porosity * _mean_stay(medium, problem, state)
@@ -374,7 +375,7 @@ def plug_findings(plan: Plan, line: Line, result: Result) -> None:
     if is_tilted(plan):
         u, _, drag = resistance(plan, T[:1])
         way, length = direction(plan), along_way(plan)
-        result.qoi["pressure_drop_Pa"] = abs(float(way @ drag[:, 0])) * length
+        result.qoi["pressure_drop_Pa"] = -float(way @ drag[:, 0]) * length
         stay = length / float(np.linalg.norm(u))
     else:
         speed = np.abs(_along([plan], line, x, [T], result))

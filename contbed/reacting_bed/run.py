@@ -138,7 +138,9 @@ def _in_time(
         result.warnings.append(
             f"fronts are shorter than a cell: after {error} by polynomials the run began "
             "again with one value a cell, as by solver.degree = 0, which spreads fronts "
-            "over a few cells: use more mesh.cells for sharper ones"
+            "over several cells, their root if nothing sharpens them: use more "
+            "mesh.cells for sharper ones, or solver.degree = 1, which keeps polynomials "
+            "and takes many more steps"
         )
         run_with(with_cells_of_one_value(problem), None)
 

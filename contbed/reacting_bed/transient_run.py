@@ -28,9 +28,10 @@ from contbed.reacting_bed.time_steps import BedSteps, begin, turned
 from contbed.reacting_bed.transient_results import fill
 from contbed.result import Result
 
-# steps in which a run begins, and of which each hundred shows whether its fronts are too
-# short for polynomials: share in which cells were damped, steps to the end at their size
-BEGINS, JUDGED, DAMPED, TOO_MANY = 200, 100, 1 / 3, 20_000
+# steps of which each hundred shows whether fronts are too short for polynomials: share
+# in which cells were damped, steps to the end at their size, growth of their size above
+# which they become few by themselves, and hundreds in a row that must show it
+JUDGED, DAMPED, TOO_MANY, GROWTH, HUNDREDS = 100, 1 / 3, 20_000, 1.5, 3
 
 
 class ShortFrontsError(ConvergenceError):
@@ -69,12 +70,16 @@ def run_transient(
         ):
             if time.cycle is None:
                 saver.offer(history)
-                begin_of_run = judged = history
-                for history in steps.march(begin_of_run):
+                begun = earlier = judged = history
+                slow = 0
+                for history in steps.march(begun):
                     _require_feasible(history, report)
                     if history.steps >= judged.steps + JUDGED:
-                        creeps = _creeps(course, judged, history)
-                        judged = history
+                        slow += 1
+                        if not _creeps(course, earlier, judged, history):
+                            slow = 0
+                        earlier, judged = judged, history
+                        creeps = slow >= HUNDREDS
                         if creeps:
                             raise ShortFrontsError(
                                 f"{history.steps} steps to t = {history.time:.3g} s", []
@@ -114,19 +119,24 @@ def run_transient(
         )
 
 
-def _creeps(course: Course, before: BedHistory, now: BedHistory) -> bool:
+def _creeps(
+    course: Course, earlier: BedHistory, before: BedHistory, now: BedHistory
+) -> bool:
     """Return whether fronts are shorter than a cell and polynomials, which the scene
-    does not ask for, follow them in far too many steps.
+    does not ask for, follow them in far too many steps, which do not grow as they do
+    behind a jump.
     """
     scene = course.scene
     if scene.solver.degree is not None or not course.problem.line.degree:
         return False
-    if course.rounds or before.steps < BEGINS:
+    if course.rounds:
         return False
     steps = now.steps - before.steps
     damped = now.steps_damped - before.steps_damped
-    left = (course.time.end - now.time) / (now.time - before.time) * steps
-    return damped > DAMPED * steps and left > TOO_MANY
+    passed, former = now.time - before.time, before.time - earlier.time
+    left = (course.time.end - now.time) / passed * steps
+    grows = passed > GROWTH * former
+    return damped > DAMPED * steps and left > TOO_MANY and not grows
 
 
 def _require_feasible(history: BedHistory, report: solve.Report) -> None:
