@@ -15,7 +15,7 @@ of gas and water raise p_s by 0.5 % at 1 bar; they are left out.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -98,16 +98,31 @@ class HumidAir(Table):
             raise ValueError(
                 "humid air: give humidity_ratio, or relative_humidity with dry_bulb"
             )
-        share = _share_of_water(values) if given else 0.0
-        rest = {name: (1.0 - share) * x for name, x in DRY_AIR.items()}
-        shares = rest | ({"H2O": share} if share else {})
-        composition = ", ".join(f"{name}:{x:.10g}" for name, x in shares.items())
+        composition = _composition_of(values, bool(given))
         if values.get("composition", composition) != composition:
             raise ValueError(f"give the composition, or {material}, not both")
         return values | {"composition": composition}
 
+    def of_air(self) -> Self:
+        """Return the table with the composition of its air, one of whose values was
+        changed.
+        """
+        if self.material is None:
+            return self
+        values = {key: value for key, value in self if value is not None}
+        given = any(key in values for key in _HUMIDITY)
+        return self.model_copy(update={"composition": _composition_of(values, given)})
+
 
 _HUMIDITY = ("humidity_ratio", "relative_humidity", "dry_bulb")
+
+
+def _composition_of(values: dict[str, Any], humid: bool) -> str:
+    """Return the composition of air."""
+    share = _share_of_water(values) if humid else 0.0
+    rest = {name: (1.0 - share) * x for name, x in DRY_AIR.items()}
+    shares = rest | ({"H2O": share} if share else {})
+    return ", ".join(f"{name}:{x:.10g}" for name, x in shares.items())
 
 
 def _share_of_water(values: dict[str, Any]) -> float:

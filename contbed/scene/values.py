@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
+from contbed.scene.humid_air import HumidAir
 from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import KeyPath, parse_key
 
@@ -93,4 +94,5 @@ def with_value(part: Any, path: tuple[Any, ...], value: Any) -> Any:
         k = path[0]
         return (*part[:k], with_value(part[k], path[1:], value), *part[k + 1 :])
     changed = with_value(getattr(part, path[0]), path[1:], value)
-    return part.model_copy(update={path[0]: changed})
+    found = part.model_copy(update={path[0]: changed})
+    return found.of_air() if isinstance(found, HumidAir) else found

@@ -9,6 +9,7 @@ from CoolProp.HumidAirProp import HAPropsSI
 from pytest import approx
 
 import contbed as cb
+from contbed.loading import loads
 from contbed.materials.composition import mole_fractions
 from contbed.materials.condensation import above_saturation
 from contbed.materials.constants import fluid_of
@@ -226,3 +227,27 @@ def test_constants_of_air_at_20_degC_are_taken_with_a_warning(model):
         assert value == approx(exact, rel=error), name
     given["gas"]["reference_temperature"] = 150.0
     refused("known from 300 to 3000 K, not at 150 K", cb.load, given)
+
+
+@pytest.mark.parametrize(
+    ("humidity", "key", "step"),
+    [
+        ("humidity_ratio = 0.02", "gas.humidity_ratio", 1e-4),
+        ("relative_humidity = 0.8\ndry_bulb = 333", "gas.dry_bulb", 0.5),
+        ("relative_humidity = 0.8\ndry_bulb = 333", "gas.pressure", 500.0),
+    ],
+)
+def test_the_composition_follows_what_it_depends_on(humidity, key, step):
+    """Derivatives beside central differences of scenes that are read anew: their
+    truncation, 1e-3.
+    """
+    text = BED.replace("humidity_ratio = 0.01", f"{humidity}\npressure = 1e5")
+    at = {"gas.humidity_ratio": 0.02, "gas.dry_bulb": 333.0, "gas.pressure": 1e5}[key]
+    scene = loads(text)
+    found = cb.gradient(scene, ["pressure_drop_Pa"], [key])
+    drops = [
+        cb.run(loads(text, overrides={key: at + sign * step})).qoi["pressure_drop_Pa"]
+        for sign in (1, -1)
+    ]
+    wanted = (drops[0] - drops[1]) / (2 * step)
+    assert found.derivatives[0, 0] == approx(wanted, rel=1e-3)

@@ -83,6 +83,14 @@ def test_oil_through_shot_has_the_drag_of_their_slip(mesh, axis, direction):
 
 
 @pytest.mark.parametrize(("mesh", "axis"), AXES)
+def test_particles_that_overtake_the_fluid_raise_its_pressure(mesh, axis):
+    """Ergun's law of the slip, by which the drop is below zero: round-off."""
+    solid = (1 - EPS) * 2.0 * UP / EPS  # of a fluid at 2 UP
+    result = cb.run(from_dict(bed(mesh, axis, UP, solid)))
+    assert result.qoi["pressure_drop_Pa"] == approx(-1.2 * ergun(UP), rel=1e-12)
+
+
+@pytest.mark.parametrize(("mesh", "axis"), AXES)
 def test_gas_and_particles_that_move_together_have_no_drag(mesh, axis):
     """u/eps = u_s/(1 - eps): neither the pressure falls, nor has the Nusselt number
     more than its value at rest.
