@@ -85,6 +85,17 @@ def unusable(
             yield path, str(error)
 
 
+def radiates_in(spec: Any, base: Path) -> bool:
+    """Return whether a conductivity of a scene is a closure that contains radiation;
+    `base` is the folder of the scene.
+    """
+    if not named(spec) or is_phase(spec):
+        return False
+    found = bind(spec, "conductivity", GIVES["conductivity"], base)
+    given = dict.fromkeys(found.takes, 1.0) | dict(found.parameters)
+    return bool(given.get("emissivity", 0.0))
+
+
 def gas_conducts_twice(path: KeyPath, table: Any, base: Path) -> Mistakes:
     """Look in a table for a closure of the whole bed at rest, its gas included, beside
     the conductivity of that gas, which is added.

@@ -16,6 +16,7 @@ from contbed.packed_bed.heat_checks import (
     heat_alone_uses_temperatures,
     heat_has_its_properties,
     particles_that_melt_are_lumped,
+    radiation_counts_once,
     the_gas_conducts_once,
     the_inside_of_particles_fits_the_scene,
 )
@@ -38,8 +39,8 @@ from contbed.packed_bed.temperature_checks import (
 )
 from contbed.packed_bed.velocity_checks import (
     velocities_are_given_once,
+    velocities_are_meant_as_steps,
     velocities_fit_the_mesh,
-    velocities_of_files_are_steps,
 )
 from contbed.packed_bed.wall_checks import (
     a_steady_temperature_is_determined,
@@ -334,6 +335,7 @@ def the_balance_can_fail(solver: s.Solver) -> Mistakes:
 
 WARNINGS: tuple[Check, ...] = (
     the_gas_conducts_once,
+    radiation_counts_once,
     solids_sum_to_one,
     two_flux_scatters_evenly,
     two_flux_is_low,
@@ -343,6 +345,6 @@ WARNINGS: tuple[Check, ...] = (
     the_bed_has_more_than_one_cell,
     the_balance_can_fail,
     particles_that_melt_are_lumped,
-    velocities_of_files_are_steps,
+    velocities_are_meant_as_steps,
     prescribed_temperatures_agree_in_corners,
 )

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from contbed.closures.packed_beds import gas_conducts_twice
+from contbed.closures.packed_beds import gas_conducts_twice, radiates_in
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import OF_HEAT
 from contbed.packed_bed.inlets import (
@@ -18,6 +18,7 @@ from contbed.packed_bed.schedule_checks import (
     Boundaries,
 )
 from contbed.radiation.scene import Radiation
+from contbed.scene.boundary import conditions_of
 from contbed.scene.checking import Mistakes
 from contbed.scene.gas import Gas, GasConstant
 from contbed.scene.toml_lines import Origin
@@ -120,6 +121,32 @@ def particles_that_melt_are_lumped(solids: Mapping[str, s.Solid]) -> Mistakes:
                 ("solids", name, "inside", "heat"),
                 "intraparticle conduction takes the heat capacity at the mean temperature of "
                 "a particle; the front of melting within it is not resolved",
+            )
+
+
+def radiation_counts_once(
+    closures: s.Closures,
+    radiation: Radiation | None,
+    boundary: Boundaries,
+    origin: Origin,
+) -> Mistakes:
+    """Look for radiation beside a conductivity that contains it, and beside an
+    emissivity towards surroundings of the same wall.
+    """
+    if radiation is None:
+        return
+    if radiates_in(closures.conductivity_solids, origin.base):
+        yield (
+            ("closures", "conductivity_solids"),
+            "contains the radiation between the particles, which [radiation] adds a "
+            "second time; leave out [radiation], or give emissivity = 0 here",
+        )
+    for path, _, condition in conditions_of(boundary):
+        if condition.emissivity and boundary[str(path[1])].radiation is not None:
+            yield (
+                (*path, "emissivity"),
+                f"radiates to its surroundings beside boundary.{path[1]}.radiation, the "
+                "same heat a second time; give one",
             )
 
 

@@ -292,6 +292,11 @@ def require_walls_along_solids(scene: s.Scene, mesh: Mesh) -> None:
     velocity = velocities(scene)[1]
     if not np.any(velocity):
         return
+    if mesh.axisymmetric and velocity[0]:
+        raise SceneError(
+            f"{scene.origin.name}: the particles move along the axis of a round bed only, "
+            "as they take the same room everywhere; at a radius they would not"
+        )
     for name, table in scene.boundary.items():
         wall = table.type in ("no_slip", "slip") or table.whole or table.radiation
         if not wall or name not in mesh.boundaries:

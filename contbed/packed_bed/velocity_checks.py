@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contbed.packed_bed import scene as s
 from contbed.packed_bed.inlets import enters, key_of, velocities_given
 from contbed.packed_bed.schedule import PHASES
 from contbed.packed_bed.schedule_checks import (
@@ -61,8 +62,12 @@ def velocities_are_given_once(boundary: Boundaries, see: See) -> Mistakes:
             )
 
 
-def velocities_of_files_are_steps(boundary: Boundaries) -> Mistakes:
-    """Look for velocities from a file, whose rows are seldom meant as steps."""
+def velocities_are_meant_as_steps(
+    boundary: Boundaries, time: s.Time | None
+) -> Mistakes:
+    """Look for velocities from a file, whose rows are seldom meant as steps, and for
+    ramps, whose last value would never act.
+    """
     for _, _, value, key in velocities_given(boundary):
         if not isinstance(value, VelocitySeries):
             continue
@@ -71,4 +76,11 @@ def velocities_of_files_are_steps(boundary: Boundaries) -> Mistakes:
                 key,
                 "holds from each row of the file to the next, while temperatures change "
                 'linearly; write form = "step" if that is meant, or give closer rows',
+            )
+        elif value.times and time is not None and value.times[-1] >= time.end:
+            yield (
+                key,
+                f"the velocity at {value.times[-1]:g} s never acts, as each holds until "
+                "the next time and the run ends then: give a ramp as steps, at closer "
+                "times",
             )

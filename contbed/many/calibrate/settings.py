@@ -94,7 +94,7 @@ class ExperimentSettings(Table):
     time: str | None = None
     """column of times"""
     position: str | None = None
-    """column of positions"""
+    """column of positions along the bed, as in profiles.csv"""
     keys: dict[str, str] = Field(default_factory=dict)
     """keys of the scene that columns give, row by row"""
     until: Instant | None = None
