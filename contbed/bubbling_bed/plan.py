@@ -101,6 +101,7 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
         else 0.0
     )
     layers = predicted_layers(c, scene.bubbling_bed.height, hottest(scene), finest)
+    layers += _narrow_feeds(scene, c)
     mesh = _mesh(scene, layers)
     return BubblingPlan(
         scene, c, mesh, *built_and_skipped(_parts(scene, c, mesh, len(layers)))
@@ -221,6 +222,24 @@ def predicted_layers(
     return [
         (0.0 if rate < 0 else height, max(1.0 / abs(rate), finest)) for rate in kept
     ]
+
+
+def _narrow_feeds(
+    scene: b.BubblingScene, c: model.Coefficients
+) -> list[tuple[float, float]]:
+    """Return position and width [m] of the feeds that mixing over their width does not
+    even out.
+    """
+    hot, height, found = hottest(scene), scene.bubbling_bed.height, []
+    for name, item in scene.present.items():
+        feed, stream = item.feed, c.streams.get(f"T_{name}")
+        if feed is None or stream is None:
+            continue
+        fastest = float(np.max(np.abs(stream.flow(np.linspace(0.0, height, 65)))))
+        carried = fastest * float(stream.heat_capacity(hot))
+        if stream.conduction < carried * feed.width:
+            found.append((min(feed.height, height), feed.width))
+    return found
 
 
 def _mesh(scene: b.BubblingScene, layers: list[tuple[float, float]]) -> Mesh:

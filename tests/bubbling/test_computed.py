@@ -267,3 +267,34 @@ def test_a_gas_at_room_temperature_says_what_its_data_miss():
     assert any(
         "100 % of the height is not fluidized" in text for text in result.warnings
     )
+
+
+def test_a_narrow_feed_without_mixing_is_resolved():
+    """Counter-current streams of constant properties by the number of transfer units;
+    nothing is colder than what enters, and the grain as it enters within a few mK.
+    """
+    scene = loads(
+        """
+        [bubbling_bed]
+        height = 0.5
+        section = 1.0
+        solids_fraction = 0.5
+        [gas]
+        material = "air"
+        [boundary.bottom]
+        gas = { mass_flow = 1.5, temperature = 473.15 }
+        [solids.grain]
+        diameter = 4e-3
+        density = 1200
+        heat_capacity = 1500
+        gas_coefficient = 4
+        mixing_conductivity = 0
+        feed = { mass_flow = 2, temperature = 293.15, height = 0.5, width = 2e-3, drain = "bottom" }
+        [radiation]
+        level = "none"
+        """
+    )
+    result = cb.run(scene)
+    T = result.profiles["T_grain [K]"]
+    assert T.min() > 293.15
+    assert T[-1] == approx(293.35, abs=0.02)
