@@ -27,7 +27,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contbed.arrays import Array
-from contbed.packed_bed.curved_inlet import PARALLEL
 from contbed.packed_bed.inlets import velocity_key
 from contbed.scene.gas import GasConstant
 from contbed.scene.toml_lines import parse_key
@@ -90,12 +89,16 @@ def is_tilted(plan: Any) -> bool:
     """Return whether the fluid flows from plane to plane at an angle to the axes of the
     mesh.
     """
+    if np.count_nonzero(plan.velocity) < 2:
+        return False
+    from contbed.packed_bed.curved_inlet import PARALLEL
     from contbed.packed_bed.flow import is_across
 
     sizes = np.abs(plan.velocity)
+    if np.count_nonzero(sizes > PARALLEL * sizes.max()) < 2:
+        return False
     ends = [name for name, kind in plan.roles.items() if kind in ("inlet", "outlet")]
-    oblique = bool(np.count_nonzero(sizes > PARALLEL * sizes.max()) > 1)
-    return oblique and all(is_across(plan.mesh, name, plan.velocity) for name in ends)
+    return all(is_across(plan.mesh, name, plan.velocity) for name in ends)
 
 
 def resistance(plan: Any, T: Array) -> tuple[Array, Array, Array]:

@@ -287,8 +287,6 @@ def require_walls_along_solids(scene: s.Scene, mesh: Mesh) -> None:
     ------
     SceneError : a wall is neither along nor across their way
     """
-    from contbed.packed_bed.flow import is_across, passes_along
-
     velocity = velocities(scene)[1]
     if not np.any(velocity):
         return
@@ -297,6 +295,11 @@ def require_walls_along_solids(scene: s.Scene, mesh: Mesh) -> None:
             f"{scene.origin.name}: the particles move along the axis of a round bed only, "
             "as they take the same room everywhere; at a radius they would not"
         )
+    # sides of other meshes are along or across their axes
+    if not isinstance(scene.mesh, MeshFile):
+        return
+    from contbed.packed_bed.flow import is_across, passes_along
+
     for name, table in scene.boundary.items():
         wall = table.type in ("no_slip", "slip") or table.whole or table.radiation
         if not wall or name not in mesh.boundaries:
