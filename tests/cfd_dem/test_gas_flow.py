@@ -16,6 +16,7 @@ from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.gas_quantities import Motion
 from contbed.cfd_dem.grid import Grid
+from contbed.cfd_dem.heat_transfer import Average, coefficients
 from contbed.closures import drag_di_felice, drag_gidaspow, drag_wen_yu, nusselt_gunn
 from contbed.compiled import threads
 from contbed.dem.packing import pack
@@ -519,6 +520,12 @@ def test_radiation_between_particles_loses_nothing(packing):
         assert heat["source"] == 0.0
         assert open_by == approx(0.0, abs=1e-10 * abs(bed.gas.sums["gained"]))
     assert approx(found["none"].T, abs=1e-3) == found["even"].T
+    # coefficients are those at the temperature of the particles, not of the gas
+    average = Average(Solid(1.0), 0.9, 300.0)
+    average(found["mixed"])
+    T = float(found["mixed"].T.mean())
+    wanted = coefficients(found["mixed"], Solid(1.0), 0.9, T)["radiation"]
+    assert average.mean["radiation"] == approx(wanted, rel=1e-12)
 
 
 def test_what_cannot_be_is_refused(packing):
