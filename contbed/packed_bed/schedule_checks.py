@@ -44,6 +44,12 @@ def require_flow(scene: s.Scene) -> None:
     moves = any(velocity) if isinstance(velocity, tuple) else velocity
     if plug and scene.heat is None and not moves:
         text = "nothing to solve: the gas is at rest and there is no [heat] table"
+        if scene.radiation is not None:
+            text += (
+                "; radiation alone has no [region]: for heat that is released give "
+                "[heat], with closures.conductivity_gas and conductivity_solids = 0 "
+                "where radiation alone carries it"
+            )
         raise _about_flow(scene, text)
 
 

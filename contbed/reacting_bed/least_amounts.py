@@ -101,7 +101,8 @@ def share_above_zero(line: Line, values: Array, least: Array) -> Array:
     low = (values @ line.finely_sampled.T).min(axis=-1)
     wrong = low < -least[..., None]
     mean = values @ line.weights
-    share = np.clip(mean / np.where(wrong, MISSED * (mean - low), 1.0), 0.0, 1.0)
+    falls = wrong & (mean > low)  # a constant below zero has no share
+    share = np.clip(mean / np.where(falls, MISSED * (mean - low), 1.0), 0.0, 1.0)
     found: Array = np.where(wrong, share, 1.0)
     return found
 

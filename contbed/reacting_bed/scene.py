@@ -32,6 +32,7 @@ from contbed.scene import continuation
 from contbed.scene.humid_air import HumidAir
 from contbed.scene.mesh import MeshLine
 from contbed.scene.quantities import (
+    Composition,
     Conductivity,
     Fraction,
     Instant,
@@ -74,7 +75,7 @@ CONDUCTIVITY = takes("conductivity")
 class Mixture(HumidAir):
     """The gas, an ideal mixture, and properties of its species."""
 
-    composition: str | None = None
+    composition: Composition | None = None
     """mole fractions that enter, "CH4:0.975, CO2:0.025", where a boundary gives no
     others"""
     pressure: Pressure = 101325.0
@@ -203,7 +204,7 @@ class InitialGas(Table):
 
     temperature: Temperature | None = None
     """in place of initial.temperature, where phases have their own"""
-    composition: str | None = None
+    composition: Composition | None = None
     """where it is stored; absent: of the gas that enters"""
 
 

@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from contbed.scene.humid_air import AIR, HUMID_AIR, HumidAir
 from contbed.scene.quantities import (
+    Composition,
     Conductivity,
     Density,
     HeatCapacity,
@@ -58,7 +59,7 @@ class GasCantera(HumidAir):
 
     model: Literal["cantera"] = "cantera"
     """ideal gas mixture with properties by Cantera"""
-    composition: str
+    composition: Composition
     """mole fractions, "N2:0.79, O2:0.21"
     """
     pressure: Pressure = 101325.0

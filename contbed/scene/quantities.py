@@ -228,4 +228,17 @@ Order = Annotated[Literal[1, 2, 3], BeforeValidator(reject_bool)]
 Cells = Annotated[int, Strict(), Field(ge=1, le=10_000_000)]
 Whole = Annotated[int, Strict()]
 Natural = Annotated[Whole, Field(ge=0)]
+
+
+def _composition_text(given: Any) -> Any:
+    """Return a composition that a table gives, {"N2": 0.79, "O2": 0.21}, as its text."""
+    if not isinstance(given, dict):
+        return given
+    return ", ".join(f"{species}:{amount}" for species, amount in given.items())
+
+
+Composition = Annotated[
+    str,
+    BeforeValidator(_composition_text, json_schema_input_type=str | dict[str, float]),
+]
 Switch = Annotated[bool, Strict()]

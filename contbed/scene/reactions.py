@@ -28,7 +28,6 @@ MolarMass = Annotated[float, *unit("kg/mol"), Field(gt=0)]
 MolarEnergy = Annotated[float, *unit("J/mol")]
 MolarEntropy = Annotated[float, *unit("J/mol/K")]
 MolarHeatCapacity = Annotated[float, *unit("J/mol/K"), Field(gt=0)]
-ActivationEnergy = Annotated[MolarEnergy, Field(ge=0)]
 Curve = Annotated[
     tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=4)
 ]
@@ -114,8 +113,8 @@ class Reaction(Table):
     """of k = A T^b exp(-E/(R T)): in mol, m, s and K, or with its unit, "0.2 L/mol/min" """
     b: Number = 0.0
     """exponent of the temperature in k = A T^b exp(-E/(R T))"""
-    E: ActivationEnergy | None = None
-    """activation energy"""
+    E: MolarEnergy | None = None
+    """activation energy; below zero where the rate falls with the temperature"""
     orders: dict[str, Number] | None = None
     """in concentrations; absent: the coefficients of the gases on the left"""
     solid: PhaseOrPhases | None = None

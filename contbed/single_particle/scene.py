@@ -20,6 +20,7 @@ from pydantic import Field, model_validator
 
 from contbed.scene.property_table import ConductivityOfSolid, HeatCapacityOfSolid
 from contbed.scene.quantities import (
+    Composition,
     Density,
     Emissivity,
     Fraction,
@@ -62,7 +63,7 @@ class Solid(SolidPhase):
     """fresh"""
     conductivity_product: ConductivityOfSolid | None = None
     """where nothing fresh is left, linear between by mass; absent: as fresh"""
-    composition: str
+    composition: Composition
     """mass fractions of the fresh particle, "wood:0.93, water:0.07"
     """
     constituent: dict[str, Constituent] = Field(min_length=1)

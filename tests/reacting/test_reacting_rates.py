@@ -14,7 +14,7 @@ from contbed.chemistry.equation import Equation
 from contbed.chemistry.rate_law import Case
 from contbed.closures.formula import parse_formula
 from contbed.fem.ad.dual import Dual
-from contbed.loading import from_dict
+from contbed.loading import from_dict, loads
 from contbed.many.study_file import unit_of
 from contbed.scene.reactions import Reaction
 from contbed.scene.values import number_at
@@ -160,3 +160,27 @@ def test_a_factor_with_a_unit_is_a_number_of_studies():
     assert slope.derivatives[0, 0] == approx(
         left(scene) * np.log(left(scene)) / 20.0, rel=1e-6
     )
+
+
+def test_a_rate_that_falls_with_the_temperature_and_a_table_of_a_composition():
+    """1 - exp(-k L/u) with k = A exp(4.41 kJ/mol/(R T)): the error of the cells."""
+    scene = loads(
+        """
+        mesh = { type = "line", length = 1.0 }
+        packed_bed = { porosity = 0.4, pressure_drop = "none" }
+        solids.beads = { diameter = 3e-3, density = 2000 }
+        reactions.r = { equation = "A -> B", A = 0.1, E = -4.41e3, basis = "bed" }
+        boundary.left.gas = { velocity = 0.5, temperature = 400 }
+        [gas]
+        model = "ideal_gas"
+        composition = { A = 0.1, N2 = 0.9 }
+        pressure = 1e5
+        viscosity = 2e-5
+        [gas.species]
+        A = { elements = { C = 1 } }
+        B = { elements = { C = 1 } }
+        N2 = {}
+        """
+    )
+    exact = 1.0 - np.exp(-0.1 * np.exp(4.41e3 / (8.31446261815324 * 400.0)) / 0.5)
+    assert contbed.run(scene).qoi["conversion_A"] == approx(exact, rel=1e-9)

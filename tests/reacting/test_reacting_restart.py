@@ -185,7 +185,7 @@ packed_bed = { porosity = 0.4, pressure_drop = "none" }
 closures.sherwood = 1e5
 boundary.left.gas = { velocity = 0.05, temperature = 300.0 }
 initial.gas.composition = "He:1"
-time.end = 400
+time.end = 4e4
 [gas]
 model = "ideal_gas"
 composition = "He:1"
