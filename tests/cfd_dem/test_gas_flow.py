@@ -19,6 +19,7 @@ from contbed.cfd_dem.grid import Grid
 from contbed.cfd_dem.heat_transfer import Average, coefficients
 from contbed.closures import drag_di_felice, drag_gidaspow, drag_wen_yu, nusselt_gunn
 from contbed.compiled import threads
+from contbed.dem.heat import radiation_conductance
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
@@ -526,6 +527,35 @@ def test_radiation_between_particles_loses_nothing(packing):
     T = float(found["mixed"].T.mean())
     wanted = coefficients(found["mixed"], Solid(1.0), 0.9, T)["radiation"]
     assert average.mean["radiation"] == approx(wanted, rel=1e-12)
+
+
+def test_radiation_between_particles_has_the_slope_of_its_conductances(packing):
+    """What it adds in a step, beside 4 sigma e T^3 at 900 K: T varies by 1e-3 of itself,
+    and the gas takes 1e-3 of what it changes.
+    """
+    T = 900.0 + np.random.default_rng(5).uniform(-1.0, 1.0, 1000)
+    beds = []
+    for e in (0.9, 0.0):
+        bed = bed_of(
+            packing,
+            0.5,
+            nusselt=nusselt_gunn,
+            T=T,
+            solid=Solid(0.0),
+            emissivity=e,
+            moving=False,
+            gas_step=1e-3,
+        )
+        bed.run(1e-3)
+        beds.append(bed)
+    hot = beds[0]
+    pairs, around = hot._network[0], hot.gas.around(hot.motion)
+    d_p = float(2.0 * hot.simulation.radius.mean())
+    G = radiation_conductance(pairs, 1000, 900.0, d_p, 0.9, around.eps)
+    flow = G * (T[pairs.j] - T[pairs.i])
+    wanted = np.bincount(pairs.i, flow, 1000) - np.bincount(pairs.j, flow, 1000)
+    found = (beds[0].T - beds[1].T) * hot.capacity / 1e-3
+    assert found == approx(wanted, abs=1e-2 * np.abs(wanted).max())
 
 
 def test_what_cannot_be_is_refused(packing):

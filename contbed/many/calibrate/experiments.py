@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -86,6 +86,17 @@ class Job:
         return self.make({**self.changes, **keys})
 
 
+class Places(NamedTuple):
+    """Rows of a table of measured values that count, with their times [s] and
+    positions [m].
+    """
+
+    table: DataTable
+    rows: Integers
+    t: Array
+    x: Array
+
+
 def read_jobs(
     file: CalibrationFile, trust: bool = False, allow_large: bool = False
 ) -> list[Job]:
@@ -159,16 +170,14 @@ def _jobs(
             f"{origin.at(('experiment', k, 'where'))}: where: no row of "
             f"{settings.file} fits after 0 s"
         )
+    places = Places(table, rows, t, x)
     points = [
         _points(
             name,
             settings,
             value,
             scene,
-            table,
-            rows,
-            t,
-            x,
+            places,
             file.origin.at(("experiment", k, "values", j)),
         )
         for j, value in enumerate(settings.values)
@@ -202,13 +211,11 @@ def _points(
     settings: ExperimentSettings,
     value: Value,
     scene: SceneBase | None,
-    table: DataTable,
-    rows: Integers,
-    t: Array,
-    x: Array,
+    places: Places,
     where: str,
 ) -> list[Point | None]:
     """Return the measured values of a column; None in a row where its cell is empty."""
+    table, rows, t, x = places
     in_profiles = settings.time is not None or settings.position is not None
     if in_profiles and field(value.quantity) is None:
         hint = nearest_of(value.quantity, list(FIELDS))
