@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from contbed.chemistry.thermo import R_GAS, Thermo, species_of
 from contbed.errors import SceneError
 from contbed.materials.common import polynomial
 from contbed.materials.gas import T_FIT, cantera_gas, recentred, require_transport
+from contbed.scene.mechanism import changed_at
 
 TRACE = 1e-12  # mole fraction
 # diffusion volumes of Fuller, Schettler, Giddings 1966, as revised 1969: Poling,
@@ -176,9 +176,7 @@ class Mechanism:
     @classmethod
     def read(cls, mechanism: str) -> Mechanism:
         """Read a mechanism; SceneError says why it cannot be."""
-        path = Path(mechanism)
-        changed = path.stat().st_mtime_ns if path.is_file() else 0
-        return _read(mechanism, changed)
+        return _read(mechanism, changed_at(mechanism))
 
     def atoms(self, name: str) -> dict[str, float]:
         """Return the atoms of a species of the mechanism."""

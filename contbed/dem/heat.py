@@ -217,7 +217,8 @@ def radiation_conductance(
     not take it. Pairs exchange G_ij (T_j^4 - T_i^4)/(4 T^3), by which nothing is lost.
     """
     seen = pairs.distance <= VIEW * d_p
-    n = np.maximum(_gather(count, pairs, 1.0 * seen, 1.0 * seen), 1.0)
+    neighbours = (np.bincount(end, seen, count) for end in (pairs.i, pairs.j))
+    n = np.maximum(sum(neighbours), 1.0)
     whole = 4.0 * STEFAN_BOLTZMANN * emissivity * T**3 * np.pi * d_p**2
     share = 1.0 - np.asarray(eps, dtype=float)
     return (
@@ -231,14 +232,6 @@ def radiation_conductance(
 def total(parts: Mapping[str, Array]) -> Array:
     """Sum the mechanisms [W/K]."""
     return np.asarray(np.sum(list(parts.values()), axis=0))
-
-
-def _gather(count: int, pairs: Pairs, at_i: Any, at_j: Any) -> Array:
-    return np.add(
-        np.bincount(pairs.i, at_i, count),
-        np.bincount(pairs.j, at_j, count),
-        dtype=np.float64,
-    )
 
 
 def _positive(shift: NDArray[np.int_]) -> Flags:

@@ -98,17 +98,16 @@ def mixture_of(gas: GasCantera, base: Path) -> Any:
     """Return the mixture of a [gas] table, with the constants that it gives in place of
     transport data; `base` is the folder of the scene.
     """
-    from contbed.scene.mechanism import find_mechanism
+    from contbed.scene.mechanism import changed_at, find_mechanism
 
     mechanism = find_mechanism(gas.mechanism, base)
-    file = Path(mechanism)
     return _mixture(
         gas.composition,
         gas.pressure,
         mechanism,
         gas.viscosity,
         gas.conductivity,
-        file.stat().st_mtime_ns if file.is_file() else 0,
+        changed_at(mechanism),
     )
 
 

@@ -212,8 +212,8 @@ def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
     if passes_along(mesh, name, velocity):
         return "slip"
     normal = constant_normal(mesh, name)
-    outlets = [table.type == "outlet" for table in scene.boundary.values()]
-    if normal is None and any(outlets) and has_axial_planes(mesh, name):
+    said = any(table.type == "outlet" for table in scene.boundary.values())
+    if normal is None and said and has_axial_planes(mesh, name):
         return "slip"
     across = (
         0.0

@@ -300,15 +300,17 @@ def _stream(
         tilted = is_tilted(plan)
         if not tilted:
             u = _along(plans, line, whole.positions, fluid, result)
-        if velocities[-1] and (tilted or not (_crosses(plan) or _is_line(plan))):
-            _through_sections(plan, problem, states[-1], result)
-        elif velocities[-1]:
+        if velocities[-1]:
+            on_line = plan.mesh.skfem.dim() == 1
             mean = (
                 _integral(1.0 / np.abs(u), whole.positions)
-                if not _crosses(plan)
+                if on_line
                 else _mean_stay(medium, problem, states[-1])
             )
             result.qoi["residence_time_s"] = medium.scene.packed_bed.porosity * mean
+            if tilted or not (on_line or _crosses(plan)):
+                drop = _drop_by_sections(plan, problem, states[-1])
+                result.qoi["pressure_drop_Pa"] = drop
     elif problem.flow is not None:
         density = np.broadcast_to(medium.fluid.density(fluid[-1]), fluid[-1].shape)
         if header("u") in result.profiles:
@@ -338,8 +340,8 @@ def _along(plans: list[Plan], line: Line, x: Any, fluid: Any, result: Result) ->
     return last.u
 
 
-def _through_sections(plan: Plan, problem: Any, state: Any, result: Result) -> None:
-    """Report pressure drop and residence time by means over the sections of a bed, whose
+def _drop_by_sections(plan: Plan, problem: Any, state: Any) -> float:
+    """Return the pressure drop [Pa] by means over the sections of a bed, whose
     temperatures differ across the flow or which is tilted, see `pressure`.
     """
     medium, way, cells = plan.medium, direction(plan), problem.system.cells
@@ -357,10 +359,7 @@ def _through_sections(plan: Plan, problem: Any, state: Any, result: Result) -> N
         for side in streams(problem, state)
         for _, T in [side["fluid"]]
     ]
-    drop = friction + momentum[0] - momentum[1]
-    result.qoi["pressure_drop_Pa"] = float(drop)
-    porosity = medium.scene.packed_bed.porosity
-    result.qoi["residence_time_s"] = porosity * _mean_stay(medium, problem, state)
+    return float(friction + momentum[0] - momentum[1])
 
 
 def plug_findings(plan: Plan, line: Line, result: Result) -> None:
@@ -382,10 +381,6 @@ def plug_findings(plan: Plan, line: Line, result: Result) -> None:
         stay = _integral(1.0 / speed, x)
     result.qoi["residence_time_s"] = porosity * stay
     result.closures = [use.to_dict() for use in plan.medium.ranges()]
-
-
-def _is_line(plan: Plan) -> bool:
-    return bool(plan.mesh.skfem.dim() == 1)
 
 
 def _crosses(plan: Plan) -> bool:

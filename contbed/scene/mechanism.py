@@ -24,6 +24,12 @@ CONVERTERS = {".inp": "ck2yaml --input=", ".cti": "cti2yaml ", ".xml": "ctml2yam
 _EXTENSIONS = re.compile(rb"extensions|\\")
 
 
+def changed_at(mechanism: str) -> int:
+    """Return when the file of a mechanism was changed [ns]; 0 of Cantera's own."""
+    path = Path(mechanism)
+    return path.stat().st_mtime_ns if path.is_file() else 0
+
+
 def mechanism_folders(base: Path) -> list[Path]:
     """Return the folders searched for a mechanism, in order: beside the scene, then
     Cantera's own.
