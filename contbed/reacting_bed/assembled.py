@@ -161,7 +161,7 @@ def _films(
     """Return the gases whose films around particles are resolved, but for those that
     are adsorbed, see `inside`.
     """
-    if scene.closures.sherwood is None:
+    if s.film_of(scene.closures, scene.solids[name], "sherwood") is None:
         return ()
     through = [
         reaction

@@ -174,6 +174,7 @@ def sections_can_be_resolved(
     mesh: MeshLine,
     heat: s.Heat | None,
     closures: s.Closures,
+    solids: Solids,
     boundary: Boundaries,
 ) -> Mistakes:
     """Check that a section has a size and something that passes across it."""
@@ -193,7 +194,7 @@ def sections_can_be_resolved(
             'as dispersion = "vdi"; or remove [packed_bed.section] for a bed without '
             "differences across it",
         )
-    two = heat is not None and closures.nusselt is not None
+    two = heat is not None and s.films_of_heat(closures, solids)
     still = all(value in (None, 0.0) for value in gas)
     wall = boundary.get("wall")
     if (
@@ -264,8 +265,7 @@ def phases_that_start_apart_have_own_temperatures(
             text = f"no such solid phase; {nearest(name, list(solids))}"
             yield ("initial", "solids", name), text
     apart = [key for key in initial.temperatures if len(key) > 2]
-    films = [closures.nusselt, *(table.nusselt for table in solids.values())]
-    two = heat is not None and any(film is not None for film in films)
+    two = heat is not None and s.films_of_heat(closures, solids)
     if two and time is not None:
         return
     for key in apart:

@@ -90,8 +90,7 @@ def of_phase(scene: s.ReactingScene, table: s.Solid) -> dict[str, Any]:
     """Return the closures of a solid phase by key, its own where it has some."""
     closures = scene.closures
     found: dict[str, Any] = {"conductivity_solids": closures.conductivity_solids}
-    for key, own in (("nusselt", table.nusselt), ("sherwood", table.sherwood)):
-        found[key] = getattr(closures, key) if own is None else own
+    found |= {key: s.film_of(closures, table, key) for key in ("nusselt", "sherwood")}
     if scene.section is not None:
         found["section.conductivity_solids"] = scene.section.conductivity_solids
     return found

@@ -88,7 +88,7 @@ def particles_can_adsorb(solids: Solids, closures: s.Closures) -> Mistakes:
     for phase, table in solids.items():
         if not table.adsorption:
             continue
-        if closures.sherwood is None:
+        if s.film_of(closures, table, "sherwood") is None:
             text = (
                 "missing; the film around particles that adsorb: a number, or "
                 "sherwood_wakao_funazkri"

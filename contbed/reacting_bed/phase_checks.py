@@ -99,23 +99,20 @@ def phases_fill_the_bed(solids: Solids, mesh: MeshLine, see: See) -> Mistakes:
                 )
 
 
-def own_closures_have_a_meaning(solids: Solids, closures: s.Closures) -> Mistakes:
-    """Check that a phase has numbers of Nusselt and Sherwood of its own only where
-    the others have some.
-    """
-    for phase, table in solids.items():
-        if table.nusselt is not None and closures.nusselt is None:
-            text = "has no meaning where gas and particles have one temperature"
+def all_phases_exchange_heat_or_none(solids: Solids, closures: s.Closures) -> Mistakes:
+    """Check that a phase has a number of Nusselt where another has one of its own."""
+    films = {
+        phase: s.film_of(closures, table, "nusselt") for phase, table in solids.items()
+    }
+    if all(film is None for film in films.values()):
+        return
+    for phase, film in films.items():
+        if film is None:
             yield (
                 ("solids", phase, "nusselt"),
-                (f"{text}; add closures.nusselt, which holds for the other phases"),
+                "missing, as another phase has one; give it, or closures.nusselt for "
+                "those without one",
             )
-        if table.sherwood is not None and closures.sherwood is None:
-            text = (
-                "has no meaning without closures.sherwood, which the others have; "
-                "give it"
-            )
-            yield ("solids", phase, "sherwood"), text
 
 
 def reactions_name_phases(reactions: Reactions, solids: Solids) -> Mistakes:
@@ -229,6 +226,6 @@ def _density_is_missing(
 
 CHECKS: tuple[Check, ...] = (
     phases_fill_the_bed,
-    own_closures_have_a_meaning,
+    all_phases_exchange_heat_or_none,
     reactions_name_phases,
 )

@@ -369,7 +369,11 @@ def _described_pressure(problem: Problem) -> str:
 def _parts_of_species(problem: Problem) -> Iterator[tuple[str, str, bool]]:
     """Yield the films and the dispersion of species."""
     closures, layout = problem.scene.closures, problem.layout
-    if closures.sherwood is None and closures.dispersion_mass is None:
+    sherwood = any(
+        s.film_of(closures, table, "sherwood") is not None
+        for table in problem.scene.solids.values()
+    )
+    if not sherwood and closures.dispersion_mass is None:
         why = "no closures.sherwood, no closures.dispersion_mass"
         yield "films and dispersion of species", why, False
         return
@@ -378,5 +382,5 @@ def _parts_of_species(problem: Problem) -> Iterator[tuple[str, str, bool]]:
     own_films = any(reaction.own_film for reaction in problem.reactions)
     if layout.films:
         yield "films", f"{', '.join(layout.films)} at the particles", True
-    elif closures.sherwood is not None and not (layout.inside or own_films):
+    elif sherwood and not (layout.inside or own_films):
         yield "films", "no reaction at particles needs them", False

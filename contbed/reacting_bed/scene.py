@@ -17,6 +17,7 @@ A plain number is SI, amounts in mol; a string may carry a unit.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag
@@ -186,9 +187,22 @@ class Closures(Table):
     absent: none"""
 
 
+def film_of(closures: Closures, solid: Solid, key: Literal["nusselt", "sherwood"]) -> Any:
+    """Return the closure of the film around the particles of a phase: its own, or that
+    of all phases; None if it has no film.
+    """
+    own = getattr(solid, key)
+    return getattr(closures, key) if own is None else own
+
+
+def films_of_heat(closures: Closures, solids: Mapping[str, Solid]) -> bool:
+    """Whether the particles of all phases exchange heat with the gas."""
+    return all(film_of(closures, each, "nusselt") is not None for each in solids.values())
+
+
 class Heat(Table):
-    """With this table temperatures are solved: two with closures.nusselt, else one
-    of gas and particles.
+    """With this table temperatures are solved: two with closures.nusselt or those of
+    all solids, else one of gas and particles.
     """
 
 
@@ -318,7 +332,7 @@ class ReactingScene(SceneBase):
     @property
     def two_temperatures(self) -> bool:
         """Whether gas and particles have temperatures of their own."""
-        return self.heat is not None and self.closures.nusselt is not None
+        return self.heat is not None and films_of_heat(self.closures, self.solids)
 
     @property
     def adsorbs(self) -> bool:

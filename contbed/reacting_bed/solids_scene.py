@@ -104,7 +104,7 @@ class Solid(SolidPhase):
     nusselt: NonNegativeOrClosure | None = None
     """of this phase; absent: closures.nusselt"""
     sherwood: NonNegativeOrClosure | None = None
-    """of this phase; absent: closures.sherwood"""
+    """of this phase; absent: closures.sherwood, if any"""
     adsorption: dict[str, Adsorption] = Field(default_factory=dict)
     """of gases by name"""
     inside: Inside = Inside()

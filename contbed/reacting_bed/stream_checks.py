@@ -125,7 +125,7 @@ def _streams_have_a_state(
     yield from _gas_has_a_state(
         boundary, gas, entry(sign), see(f"boundary.{side}.gas.{key}")
     )
-    first = 0.0
+    two, first = s.films_of_heat(closures, solids), 0.0
     for phase in solids:
         velocity = velocity_of(boundary, phase)
         yield from _solid_has_a_temperature(boundary, phase, velocity, with_heat)
@@ -137,7 +137,7 @@ def _streams_have_a_state(
                 path,
                 "solid phases that move go one way; let it enter where the others do",
             )
-        if with_heat and closures.nusselt is None and velocity * sign < 0.0:
+        if with_heat and not two and velocity * sign < 0.0:
             text = (
                 "missing; gas and particles that move against each other have two "
                 "temperatures"

@@ -267,8 +267,8 @@ def test_each_kind_has_its_own_film():
     scene = catalysed(0.4)
     D, Sh = 2e-5, {"catalyst": 4.0, "beads": 8.0}
     scene["gas"]["diffusivity"] = D
-    scene["closures"] |= {"sherwood": Sh["catalyst"]}
-    scene["solids"]["beads"]["sherwood"] = Sh["beads"]
+    for kind, number in Sh.items():
+        scene["solids"][kind]["sherwood"] = number
     set_keys(scene, 'reactions.r.solid = ["catalyst", "beads"]')
     total = 0.0
     for kind, at in scene["solids"].items():
@@ -294,7 +294,6 @@ def exchanging(directions: float) -> tuple[dict, dict[str, float]]:
     scene["mesh"]["length"] = L
     scene["boundary"]["left"]["gas"] = {"mass_flux": G, "temperature": 900.0}
     set_keys(scene, "heat = {}")
-    set_keys(scene, "closures.nusselt = 5.0")
     kinds = {
         "small": (0.25, 4e-3, 2000.0, 800.0, 5.0, v),
         "large": (0.75, 9e-3, 1200.0, 1000.0, 8.0, 1.5 * v),
