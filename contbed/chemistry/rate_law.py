@@ -203,19 +203,21 @@ class Case:
         return total
 
 
-def powers(at: Local, orders: Mapping[str, float]) -> Any:
-    """Return the product of amounts to their orders, of which at most one may be
-    negative.
+def powers(at: Local, orders: Mapping[str, float], basis: str) -> Any:
+    """Return the product of concentrations to their orders, of which at most one may be
+    negative; those of solids are per volume of bed in a rate that is, else per volume of
+    the particles.
     """
     factors = []
+    volume = 1.0 if basis == "bed" else at.solids
     for name, n in orders.items():
-        amount = at.c[name] if name in at.c else at.n[name]
+        gas = name in at.c
+        amount = at.c[name] if gas else at.n[name] / volume
         if n != 1.0:
             small: Any = TINY
             if at.small.amounts and 0.0 <= n < 1.0:
-                small = at.small.amounts * (
-                    at.all_gases if name in at.c else at.all_solids
-                )
+                whole = at.all_gases if gas else at.all_solids / volume
+                small = at.small.amounts * whole
             amount = odd_power(amount, n, small)
         factors.append(amount)
     return product(factors)

@@ -116,7 +116,8 @@ class Reaction(Table):
     E: MolarEnergy | None = None
     """activation energy; below zero where the rate falls with the temperature"""
     orders: dict[str, Number] | None = None
-    """in concentrations; absent: the coefficients of the gases on the left"""
+    """in concentrations, of solids in moles per volume of the particles, or of the bed
+    where basis = "bed"; absent: the coefficients of the gases on the left"""
     solid: PhaseOrPhases | None = None
     """phase, or list of phases, of [solids] in which it runs; absent: those that hold
     what reacts"""

@@ -100,7 +100,7 @@ def decaying(**time):
     scene["reactions"] = {
         "r": {
             "equation": "S -> P",
-            "A": 1e-3 / 0.6,
+            "A": 1e-3,
             "E": 0.0,
             "orders": {"S": 1.0},
             "basis": "particle",

@@ -195,9 +195,6 @@ def test_two_sizes_in_a_moving_bed_follow_their_own_closed_forms():
         }
         for kind, each in k.items()
     }
-    for kind, share in SHARES.items():
-        # per volume of particles
-        scene["reactions"][f"r_{kind}"]["A"] /= share * (1.0 - EPS)
     qoi = solved(scene).qoi
     X = {"coarse": 1.0 - np.exp(-0.5), "fine": 1.0 - np.exp(-0.75)}
     for kind, exact in X.items():

@@ -33,7 +33,7 @@ def _grain(case: Case, exponent: float) -> Rate:
         left = at.n[case.solid] / fresh
         return (
             constant(at.T)
-            * powers(at, case.orders)
+            * powers(at, case.orders, case.basis)
             * odd_power(left, exponent, at.small.solids)
             * fresh
             * (scale / at.solids)

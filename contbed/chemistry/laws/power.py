@@ -9,21 +9,30 @@ from typing import Any
 
 from contbed.chemistry.local import Local, Rate
 from contbed.chemistry.rate_law import SI_OF_BASIS, Case, RateLaw, powers
+from contbed.errors import SceneError
 
 
 def _power(case: Case) -> Rate:
     left = {name: -n for name, n in case.gases.items() if n < 0}
     right = {name: n for name, n in case.gases.items() if n > 0}
     elementary = case.orders == left
+    if not case.orders and case.table.orders is None:
+        solids = [name for name in case.equation.left if name in case.species.solids]
+        first = " or ".join(f"{{ {name} = 1.0 }}" for name in solids)
+        raise SceneError(
+            f"reactions.{case.name}.orders: missing, as no gas is on the left: give "
+            f"{first} for a rate of first order in what is left of it, or 0.0 for one "
+            "that does not depend on it"
+        )
     constant = case.constant(SI_OF_BASIS[case.basis], sum(case.orders.values()))
 
     def rate(at: Local) -> Any:
         k = constant(at.T)
-        forward = powers(at, case.orders)
+        forward = powers(at, case.orders, case.basis)
         if not case.equation.reversible:
             return k * forward
         if elementary:
-            back = powers(at, right) / case.equilibrium_constant(at.T)
+            back = powers(at, right, case.basis) / case.equilibrium_constant(at.T)
             return k * (forward - back)
         return k * forward * (1.0 - case.quotient(at))
 
