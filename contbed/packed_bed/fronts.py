@@ -111,8 +111,8 @@ def track(
                 solid,
                 inlet,
                 initial[0],
-                half * (1.0 - share),
                 half * share,
+                capacity_solid / capacity_fluid,
                 count,
             )
             step += count
@@ -136,8 +136,8 @@ def moved(
     solid: Array,
     inlet: float,
     reference: float,
-    to_fluid: float,
     to_solid: float,
+    ratio: float,
     count: int,
 ) -> float:
     """Take `count` steps in place: exchange, parcels that move by a cell, exchange.
@@ -145,26 +145,31 @@ def moved(
     Parameters
     ----------
     fluid, solid : temperatures (cells,) [K]
-    to_fluid, to_solid : of the difference of temperatures, what each phase takes up in
-        half a step
+    to_solid : of the difference of temperatures, what a cell takes up in half a step
+    ratio : of the capacities of solid and fluid
 
     Returns
     -------
     the sum of the temperatures of parcels that leave above `reference` [K]
     """
+    # a parcel takes up what its cell has lost after rounding, so that no heat is lost in
+    # a million steps
     left = 0.0
     for _ in range(count):
         for i in range(len(fluid) - 1, -1, -1):
             apart = solid[i] - fluid[i]
-            parcel = fluid[i] + to_fluid * apart
+            before = solid[i]
             solid[i] -= to_solid * apart
+            parcel = fluid[i] + ratio * (before - solid[i])
             if i == len(fluid) - 1:
                 left += parcel - reference
                 continue
             apart = solid[i + 1] - parcel
-            fluid[i + 1] = parcel + to_fluid * apart
+            before = solid[i + 1]
             solid[i + 1] -= to_solid * apart
+            fluid[i + 1] = parcel + ratio * (before - solid[i + 1])
         apart = solid[0] - inlet
-        fluid[0] = inlet + to_fluid * apart
+        before = solid[0]
         solid[0] -= to_solid * apart
+        fluid[0] = inlet + ratio * (before - solid[0])
     return left

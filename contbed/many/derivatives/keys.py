@@ -146,6 +146,11 @@ def key(scene: SceneBase, name: str) -> Key:
         problem = (
             "is a setting of the numerical method, on which results must not depend"
         )
+    elif _fixed_by_a_unit(scene, path):
+        problem = (
+            "has no derivative, as the unit of A belongs to this order; give A as a "
+            "plain number, in mol, m, s and K"
+        )
     if problem is not None:
         raise SceneError(f"{where}: {name} {problem}")
     return _key(scene, path, float(value))
@@ -155,7 +160,18 @@ def continuous(scene: SceneBase) -> list[Key]:
     """Return the continuous keys that a scene gives, in its order; defaults that it
     leaves alone are not among them.
     """
-    return [_key(scene, path, value) for path, value in _numbers(scene, ())]
+    return [
+        _key(scene, path, value)
+        for path, value in _numbers(scene, ())
+        if not _fixed_by_a_unit(scene, path)
+    ]
+
+
+def _fixed_by_a_unit(scene: SceneBase, path: KeyPath) -> bool:
+    """Return whether a key is an order to which the unit of its A belongs."""
+    if len(path) != 4 or path[0] != "reactions" or path[2] != "orders":
+        return False
+    return isinstance(at(scene, (*path[:2], "A")), str)
 
 
 def _numbers(part: Any, above: KeyPath) -> Iterator[tuple[KeyPath, float]]:
