@@ -25,6 +25,8 @@ from contbed.result import Result
 from contbed.solvers.tangent import Tangent as SteadyTangent
 
 Array = Any
+# relative, of sizes and height: below it they change by rounding
+ROUNDING = 1e-15
 OTHER = "a small change adds or removes an unknown"
 
 
@@ -73,7 +75,7 @@ class Tangent(SteadyTangent):
                 settled(*each)[0] for each in zip(problems, states, found, strict=True)
             ]
             change, moved = abs(_apart(scenes) - moved), _apart(scenes)
-            if change <= CHANGE * max(moved, CHANGE):
+            if change <= max(CHANGE * moved, ROUNDING):
                 break
         else:
             raise ConvergenceError(

@@ -120,7 +120,7 @@ def _head(summary: Mapping[str, Any]) -> list[list[str]]:
     if "status" in summary:
         rows.append(["status", str(summary["status"])])
     dofs = summary.get("dofs")
-    if isinstance(dofs, Mapping):
+    if isinstance(dofs, Mapping) and dofs:
         rows.append(
             [
                 "unknowns",
@@ -129,7 +129,7 @@ def _head(summary: Mapping[str, Any]) -> list[list[str]]:
                 ),
             ]
         )
-    elif dofs is not None:
+    elif isinstance(dofs, int | float):
         rows.append(["unknowns", number_text(dofs, ",")])
     if timings := summary.get("timings"):
         phases = (

@@ -25,10 +25,8 @@ from contbed.packed_bed.schedule import PHASES
 from contbed.scene.mesh import MeshFile, MeshLine
 from contbed.scene.series import ProfileFile
 
-# cells of a bed with tracked fronts, and fewer where the stream fills its voids so often
-# that cells times steps would be too many; these take some seconds
-FRONT_CELLS, FEWEST_FRONT_CELLS = 4000, 100
-FRONT_CELL_STEPS = 1e9
+# cells of a bed with a closed form, which only show it
+SHOWN_CELLS = 100
 # cells of the first automatic mesh of a box; it takes some 2 s, and errors give the
 # next one
 FIRST_CELLS_3D = 2000
@@ -43,14 +41,6 @@ PROFILE_CELLS = 20
 EARLIEST = 1e-3
 
 
-def _front_cells(scene: s.Scene, velocity: Any) -> int:
-    """Return the cells of a bed with tracked fronts, whose fluid passes one in a step."""
-    assert scene.time is not None and isinstance(scene.mesh, MeshLine)
-    way = scene.time.end * abs(float(velocity[0])) / scene.packed_bed.porosity
-    most = (FRONT_CELL_STEPS * scene.mesh.length / way) ** 0.5
-    return int(np.clip(most, FEWEST_FRONT_CELLS, FRONT_CELLS))
-
-
 def nodes(
     scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: bool
 ) -> list[Any] | None:
@@ -62,7 +52,7 @@ def nodes(
         return None
     if isinstance(mesh, MeshLine) and (mesh.cells is None or mesh.graded):
         if fronts:
-            return [np.linspace(0.0, mesh.length, _front_cells(scene, velocity) + 1)]
+            return [np.linspace(0.0, mesh.length, SHOWN_CELLS + 1)]
         layers = []
         if scene.heat is not None:
             layers += axial_layers(

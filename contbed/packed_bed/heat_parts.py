@@ -30,7 +30,7 @@ def parts_of_heat(
     ----------
     scene : as it is solved
     inside : how the level of intraparticle conduction was chosen, None without heat
-    fronts : whether fronts are tracked
+    fronts : whether fronts stay sharp, by a closed form
     """
     if scene.heat is None:
         yield "two-energy", "no [heat] table", False
@@ -75,7 +75,7 @@ def _why_no_dispersion(closures: s.Closures) -> str:
 
 def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
     if fronts:
-        return "no conduction in a bed at rest: fronts tracked along characteristics"
+        return "no conduction in a bed at rest: closed form of Schumann"
     time = "steady" if scene.time is None else "transient, TR-BDF2"
     form = "linear" if medium.constant else "temperature-dependent"
     return (

@@ -149,7 +149,7 @@ class Plan:
         if self.curved_inlet:
             return "a gas that enters through a curved boundary"
         return (
-            "fronts tracked along characteristics (a bed at rest without conduction)"
+            "fronts in closed form (a bed at rest without conduction)"
             if self.fronts
             else ""
         )
@@ -350,9 +350,7 @@ class Plan:
         grid, out = self.mesh.skfem, {}
         if not self.plug:
             out["flow"] = grid.dim() * Space(grid, 2).size + grid.nvertices
-        if self.fronts:
-            out["heat"] = 2 * grid.nelements
-        elif self.scene.heat is not None:
+        if self.scene.heat is not None and not self.fronts:
             out["heat"] = (2 + len(modes(self.solved))) * Space(
                 grid, self.scene.solver.degree
             ).size
@@ -362,7 +360,7 @@ class Plan:
 
     def __str__(self) -> str:
         unknowns, more = self.unknowns(), []
-        if unknowns and not self.fronts:
+        if unknowns:
             more.append(advice(unknowns, self.policy))
         if text := lifted(self, np.array([self.medium.T_fluid_in])):
             more.append(f"WARNING {text}")

@@ -35,6 +35,9 @@ GRAVITY = 9.81  # m/s2
 # change of the density by the drop, over itself, from which the drop is wrong by more
 # than half as much
 COMPRESSED = 0.1
+# change of the speed of fronts by the expansion of a fluid, and temperatures over which
+# it is summed
+EXPANDED, BETWEEN = 0.01, 65
 
 
 class Stream(NamedTuple):
@@ -147,6 +150,41 @@ def compressed(plan: Any, drop: float) -> str:
         f"density by {100.0 * change:.3g} %: {at_inlet}, and one that leaves at it "
         f"loses {at_outlet:.4g} Pa; give the mean of the pressures at inlet and outlet, and "
         "the velocity at that pressure"
+    )
+
+
+def expanded(plan: Any, T: Array) -> str:
+    """Return a warning where the density of a fluid that is stored changes so much over
+    its temperatures (n,) [K] in a run that fronts move at another speed; empty where it
+    does not.
+
+    The mass flux is the same everywhere. With what a fluid displaces when it expands, the
+    bed behind a front holds rho_in (h_in - h_0) for each volume of fluid that entered, not
+    the integral of rho dh.
+    """
+    medium, scene = plan.medium, plan.scene
+    span = float(T.min()), float(T.max())
+    if scene.time is None or not plan.speed or span[0] == span[1]:
+        return ""
+    fluid, solid = medium.fluid, medium.solid
+    porosity = scene.packed_bed.porosity
+    between = np.linspace(*span, BETWEEN)
+    density = np.broadcast_to(fluid.density(between), between.shape)
+    hot = abs(medium.T_fluid_in - span[0]) > abs(medium.T_fluid_in - span[1])
+    entering = density[-1 if hot else 0]
+    capacity = fluid.heat_capacity(between) + 0.0 * between
+    of_solid = solid.density(between) * solid.heat_capacity(between) + 0.0 * between
+    held = np.mean(porosity * density * capacity + (1.0 - porosity) * of_solid)
+    more = np.mean(porosity * (entering - density) * capacity)
+    change = float(more / (held + more))
+    if abs(change) < EXPANDED:
+        return ""
+    return (
+        f"the density of {fluid.name} changes from {density[0]:.4g} to "
+        f"{density[-1]:.4g} kg/m3 between {span[0]:.4g} and {span[1]:.4g} K, and the mass "
+        "flux is taken to be the same everywhere: fronts of heat are "
+        f"{abs(change) * 100.0:.2g} % {'slower' if change < 0.0 else 'faster'} than "
+        "those of a fluid that expands"
     )
 
 

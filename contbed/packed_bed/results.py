@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from contbed.packed_bed.pressure import (
     along_bed,
     along_way,
     direction,
+    expanded,
     is_tilted,
     lifted,
     resistance,
@@ -24,6 +25,9 @@ from contbed.packed_bed.streams import Streams, outlet_table, streams
 from contbed.result import Result
 from contbed.scene.boundary import FLUXES, conditions_of
 from contbed.scene.mesh import power_units
+
+if TYPE_CHECKING:
+    from contbed.packed_bed.schumann import Schumann
 
 TEMPERATURES = ("T_fluid", "T_solid")
 PASSED = ("inlet", "outlet")
@@ -290,6 +294,8 @@ def _stream(
     velocities = [float(each.velocity[axis]) for each in plans]
     space = problem.system.fields["T_fluid"][0]
     _tell_if_lifted(plans, fluid, result)
+    if text := expanded(plan, np.ravel(fluid)):
+        result.warnings.append(text)
     if plan.plug and any(velocities):
         whole = line.whole
         if whole is not line:
@@ -510,30 +516,29 @@ def transient_findings(
 
 
 def front_findings(
-    plan: Plan, snapshots: list[Any], backwards: bool, result: Result
+    plan: Plan, bed: Schumann, times: list[float], result: Result
 ) -> None:
-    """Fill in profiles of a bed with tracked fronts; `backwards` if the stream
-    enters at the right end.
+    """Fill in profiles of a bed by its closed form, which begins where the stream
+    enters.
     """
     length = plan.scene.mesh.length  # type: ignore[union-attr]
     positions = np.unique(plan.scene.output.positions)
     if not len(positions):
         positions = np.linspace(0.0, length, 1001)
-    along = length - positions if backwards else positions
+    along = length - positions if plan.velocity[0] < 0 else positions
     fluid, solid = (
         np.array(part)
-        for part in zip(*(snapshot.at(along) for snapshot in snapshots), strict=True)
+        for part in zip(*(bed.at(along, time) for time in times), strict=True)
     )
     _tell_if_lifted([plan], fluid[-1:], result)
-    initial = plan.scene.initial
-    T = (plan.medium.T_fluid_in, initial.given("fluid"), initial.given("solid"))
+    T = (bed.inlet, bed.fluid, bed.solid)
     _columns(
         plan,
         positions,
         fluid,
         solid,
         (min(T), max(T)),
-        [snapshot.time for snapshot in snapshots],
+        times,
         result,
     )
-    result.qoi |= {"T_fluid_out_K": float(snapshots[-1].at(np.array([length]))[0][0])}
+    result.qoi |= {"T_fluid_out_K": float(bed.at(length, times[-1])[0][0])}

@@ -1,5 +1,5 @@
-"""Run of a packed or moving bed: flow, then steady or transient heat, or fronts
-along characteristics.
+"""Run of a packed or moving bed: flow, then steady or transient heat, or its closed
+form.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from contbed.packed_bed.run_parts import (
     heat_problem,
     report_flow,
 )
-from contbed.packed_bed.scene import Scene
 from contbed.packed_bed.schedule import PHASES
 from contbed.result import Result
 
@@ -71,7 +70,7 @@ def _solve(
     scene = plan.scene
     if plan.fronts:
         with result.timed("heat"):
-            _track_fronts(plan, result, quiet)
+            _schumann(plan, result)
         return
     # a cycle has those of its first guess
     names = ("vertices", "search.begin.vertices")
@@ -248,45 +247,34 @@ def _steady(
     return None, estimate
 
 
-def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
-    from contbed.output.progress import Progress
-    from contbed.packed_bed.fronts import Phases, track
+def _schumann(plan: Plan, result: Result) -> None:
     from contbed.packed_bed.results import front_findings
+    from contbed.packed_bed.schumann import Schumann
 
     scene, medium = plan.scene, plan.medium
     time, porosity = scene.time, scene.packed_bed.porosity
     assert time is not None
-    u = float(plan.velocity[0])
-    times = sorted({*time.times, time.end})
-    with Progress(time.end, "s", quiet) as progress:
-        snapshots, sums = track(
-            scene.mesh.length,  # type: ignore[union-attr]
-            plan.mesh.skfem.nelements,
-            abs(u) / porosity,
-            Phases(
-                porosity * _capacity(medium.fluid),
-                (1.0 - porosity) * _capacity(medium.solid),
-                float(medium.exchange(medium.T_fluid_in, lambda density: abs(u))),
-            ),
-            medium.T_fluid_in,
-            _start_of_fronts(scene),
-            times,
-            progress.advance_to,
-        )
+    speed = abs(float(plan.velocity[0]))
+    gas, solid = (scene.initial.given(phase) for phase in PHASES)
+    assert isinstance(gas, float) and isinstance(solid, float)  # `plan` sees to it
+    bed = Schumann(
+        length=scene.mesh.length,  # type: ignore[union-attr]
+        velocity=speed / porosity,
+        capacity_fluid=porosity * _capacity(medium.fluid),
+        capacity_solid=(1.0 - porosity) * _capacity(medium.solid),
+        exchange=float(medium.exchange(medium.T_fluid_in, lambda density: speed)),
+        inlet=medium.T_fluid_in,
+        fluid=gas,
+        solid=solid,
+    )
     result.closures = [use.to_dict() for use in medium.ranges()]
-    sums = {name: value * plan.section for name, value in sums.items()}
+    heat = {name: value * plan.section for name, value in bed.heat(time.end).items()}
     result.balances["energy"] = Balance(
-        sums["in"], sums["out"], "J", stored=sums["stored"]
+        heat["in"], heat["out"], "J", stored=heat["stored"]
     ).as_dict()
-    front_findings(plan, snapshots, u < 0, result)
+    front_findings(plan, bed, sorted({*time.times, time.end}), result)
 
 
 def _capacity(phase: Any) -> float:
     """Return the heat capacity of a volume of a phase of constant properties [J/m3/K]."""
     return float(phase.density(300.0) * phase.heat_capacity(300.0))
-
-
-def _start_of_fronts(scene: Scene) -> tuple[float, float]:
-    gas, solid = (scene.initial.given(phase) for phase in PHASES)
-    assert isinstance(gas, float) and isinstance(solid, float)  # `plan` sees to it
-    return gas, solid

@@ -187,7 +187,9 @@ class Closures(Table):
     absent: none"""
 
 
-def film_of(closures: Closures, solid: Solid, key: Literal["nusselt", "sherwood"]) -> Any:
+def film_of(
+    closures: Closures, solid: Solid, key: Literal["nusselt", "sherwood"]
+) -> Any:
     """Return the closure of the film around the particles of a phase: its own, or that
     of all phases; None if it has no film.
     """
@@ -197,7 +199,9 @@ def film_of(closures: Closures, solid: Solid, key: Literal["nusselt", "sherwood"
 
 def films_of_heat(closures: Closures, solids: Mapping[str, Solid]) -> bool:
     """Whether the particles of all phases exchange heat with the gas."""
-    return all(film_of(closures, each, "nusselt") is not None for each in solids.values())
+    return all(
+        film_of(closures, each, "nusselt") is not None for each in solids.values()
+    )
 
 
 class Heat(Table):

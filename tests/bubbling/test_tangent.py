@@ -13,7 +13,7 @@ from contbed.bubbling_bed.results import fill
 from contbed.bubbling_bed.settling import settle, stretched, unsettled
 from contbed.bubbling_bed.tangent import Tangent
 from contbed.errors import UnlikeError
-from contbed.loading import from_dict
+from contbed.loading import from_dict, loads
 from contbed.many.derivatives.gradients import _of_state, gradient, picked
 from contbed.many.derivatives.keys import key
 from contbed.result import Result
@@ -117,6 +117,52 @@ def test_sizes_and_height_that_settle():
         "solids.inert.feed.mass_flow",
     ]
     assert worst(from_dict(tables), names) < 1e-6
+
+
+DRIER = """
+[bubbling_bed]
+settled_height = 0.5
+section = 3.0
+solids_fraction = 0.55
+[bubbling_bed.bubbles]
+size = 0.1
+[bubbling_bed.tubes]
+perimeter = 25.0
+coefficient = 350.0
+temperature = 453.15
+[bubbling_bed.walls]
+perimeter = 7.0
+coefficient = 8.0
+temperature = 298.15
+[gas]
+material = "air"
+[closures]
+minimum_fluidization = "wen_yu"
+[boundary.bottom]
+gas.mass_flow = 1.5
+gas.temperature = 293.15
+[solids.sand]
+diameter = 5e-4
+density = 2650.0
+heat_capacity = 850.0
+nusselt = "ranz_marshall"
+mixing_conductivity = 3e4
+feed = { mass_flow = "10 t/h", temperature = 288.15, height = 0.3, width = 0.1, drain = "bottom" }
+"""
+
+
+def test_a_height_that_hardly_moves():
+    """A key whose small change moves the height of the bed by 1e-8 of it: rounding ends
+    the rounds.
+    """
+    scene, name, step = loads(DRIER), "bubbling_bed.walls.perimeter", 0.5
+    made = gradient(scene, "T_sand_mid_K", name)
+    above, below = (
+        cb.run(key(scene, name).on(scene, 7.0 + side * step)).qoi["T_sand_mid_K"]
+        for side in (1, -1)
+    )
+    # of second order in steps of 7 %
+    assert made.derivatives[0, 0] == pytest.approx((above - below) / (2.0 * step), rel=5e-3)
 
 
 @pytest.mark.slow

@@ -88,7 +88,8 @@ def test_scenes_are_checked(path):
     ],
 )
 def test_scenes_are_planned(path):
-    assert cb.plan(cb.load(path)).unknowns()
+    plan = cb.plan(cb.load(path))
+    assert plan.unknowns() or "closed form" in str(plan)
 
 
 @pytest.mark.parametrize("path", sorted(STUDIES.glob("*/sweep*/*.toml")), ids=name_of)

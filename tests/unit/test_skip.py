@@ -89,7 +89,7 @@ UNWANTED = """
 """
 NOT_SOLVED = """
     packed_bed.flow packed_bed.time_steps packed_bed.equations.porous_flow
-    packed_bed.fronts radiation.problem radiation.results
+    packed_bed.schumann radiation.problem radiation.results
     radiation.ordinates radiation.rosseland radiation.equations.p1
     radiation.equations.ordinates course.dirk solvers.continuation mesh.gmsh
     scene.units output sweep bubbling_bed reacting_bed two_fluid dem cfd_dem cli
