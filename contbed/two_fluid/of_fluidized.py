@@ -25,6 +25,7 @@ FASTEST = 1e3  # [m/s] of the gas between particles
 HALVINGS = 60  # of FASTEST
 EMPTY = 0.1  # of the solids fraction of the bed, below which the top is a freeboard
 TOP = 0.9  # of the height of the vessel, above which the top is
+LAYERED = 1.2  # above the solids fraction below, from which the bed is no single layer
 MIDDLE = 0.1  # of the height of the bed, about its middle
 SPECTRUM = 64  # rows from which a spectrum is taken
 PERIODS = 5.0  # of a signal whose frequency is known to a fifth
@@ -52,6 +53,7 @@ def fluidized_findings(
         flux = means["eps_s"] * means["u_solid"][:, -1]
         density = bed.model.materials.rho_solid
         found["bed_height_m"] = height
+        found["eps_s_above_over_below"] = layering(means["eps_s"], *geometry)
         if grid.dimension > 1:
             upward = circulation(flux, *geometry, height)
             found["circulation_kg_m2s"] = density * upward
@@ -82,12 +84,18 @@ def densest_start(scene: TwoFluidScene) -> float:
 def judge(
     scene: TwoFluidScene, rows: Mapping[str, Any], qoi: Mapping[str, Any]
 ) -> list[str]:
-    """Return warnings of rows that are too few, or too far apart, for the frequency of
-    the pressure and for bubbles.
+    """Return warnings of rows that are too few for the frequency of the pressure, and of
+    a bed that is no single layer.
     """
     start = scene.time.average_from
     if start is None or not is_fluidized(scene) or densest_start(scene) < DENSE:
         return []
+    if qoi.get("eps_s_above_over_below", 1.0) > LAYERED:
+        text = (
+            "a denser layer of particles lies on a looser one, so that bed_height_m, that "
+            "of a single layer, means nothing; average later, when the bed is at rest"
+        )
+        return [f"{scene.origin.place(('time', 'average_from'))}: {text}"]
     late = rows["t [s]"] >= start
     span = float(np.ptp(rows["t [s]"][late]))
     frequency = qoi.get("dominant_frequency [Hz]")
@@ -159,6 +167,18 @@ def bed_height(eps_s: Any, volume: Any, z: Any, vessel: Vessel) -> float | None:
     if held[top].sum() > EMPTY * dense * volume[top].sum():
         return None
     return vessel.height_of(held.sum() / dense)
+
+
+def layering(eps_s: Any, volume: Any, z: Any) -> float:
+    """Return the solids fraction that particles above their centre of mass see, over
+    that of those below; takes what `bed_height` takes.
+    """
+    held = eps_s * volume
+    below = z <= held @ z / held.sum()
+    low, high = (
+        held[half] @ eps_s[half] / held[half].sum() for half in (below, ~below)
+    )
+    return float(high / low)
 
 
 def circulation(flux: Any, volume: Any, z: Any, height: float) -> float:

@@ -162,7 +162,9 @@ def test_a_height_that_hardly_moves():
         for side in (1, -1)
     )
     # of second order in steps of 7 %
-    assert made.derivatives[0, 0] == pytest.approx((above - below) / (2.0 * step), rel=5e-3)
+    assert made.derivatives[0, 0] == pytest.approx(
+        (above - below) / (2.0 * step), rel=5e-3
+    )
 
 
 @pytest.mark.slow

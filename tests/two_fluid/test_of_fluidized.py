@@ -16,7 +16,12 @@ from contbed.mesh.mesh import Mesh
 from contbed.models import MODELS
 from contbed.scene.mesh import MeshRectangle
 from contbed.two_fluid.fv.grid import build
-from contbed.two_fluid.of_fluidized import bed_height, circulation, minimum_fluidization
+from contbed.two_fluid.of_fluidized import (
+    bed_height,
+    circulation,
+    layering,
+    minimum_fluidization,
+)
 from contbed.two_fluid.vessel import Vessel, depth
 
 
@@ -88,6 +93,19 @@ def test_a_bed_in_a_vessel_that_widens(kind):
     assert vessel.section(height) == approx(1.5, rel=3e-3)
     assert vessel.section() == approx(2.0, rel=1e-12)
     assert depth(grid, eps_s) == approx(0.5, rel=3e-3)
+
+
+def test_a_plug_that_lies_on_a_looser_layer():
+    """0.4 m of 0.4 below 0.2 m of 0.6: the centre of mass is at 0.3286 m, with the cells
+    below it of 0.4 alone and 3.2 cm of them above.
+    """
+    z = (np.arange(100) + 0.5) / 100
+    eps_s = np.where(z < 0.4, 0.4, np.where(z < 0.6, 0.6, 0.0))
+    volume = np.full(100, 0.01)
+    above = (0.07 * 0.4**2 + 0.2 * 0.6**2) / (0.07 * 0.4 + 0.2 * 0.6)
+    assert layering(eps_s, volume, z) == approx(above / 0.4, rel=1e-12)
+    even = np.where(z < 0.6, 0.4, 0.0)
+    assert layering(even, volume, z) == approx(1.0, rel=1e-12)
 
 
 def test_circulation_of_particles_that_rise_in_a_quarter_of_the_section():
