@@ -54,6 +54,31 @@ def test_items_of_lists_and_parameters_of_closures_are_keys():
     assert "closures.nusselt.b" in [one.name for one in continuous(scene)]
 
 
+def test_an_order_whose_unit_is_that_of_its_constant_is_no_key():
+    """A = "2 1/s" has no value at an order of 1.001."""
+    scene = loads(
+        """
+model = "packed_bed"
+mesh = { type = "line", length = 1.0 }
+gas.model = "cantera"
+gas.composition = "A:1"
+gas.viscosity = 2e-5
+gas.species.A = { elements = { C = 1 }, heat_capacity = 30.0, enthalpy = 0.0 }
+gas.species.B = { elements = { C = 1 }, heat_capacity = 30.0, enthalpy = 0.0 }
+solids.cat = { diameter = 3e-3 }
+packed_bed = { porosity = 0.4, pressure_drop = "none" }
+reactions.r = { equation = "A -> B", A = "2 1/s", E = 0.0, orders = { A = 1.0 } }
+boundary.left.gas = { velocity = 0.3, temperature = 500.0 }
+"""
+    )
+    names = [one.name for one in continuous(scene)]
+    assert "reactions.r.A" in names and "reactions.r.orders.A" not in names
+    refused(
+        "the unit of A belongs to this order",
+        lambda: key(scene, "reactions.r.orders.A"),
+    )
+
+
 def test_coefficients_of_polynomials_have_the_unit_of_their_power():
     scene = loads(
         SLIP.replace("heat_capacity = 800.0", "heat_capacity = [560.0, 0.75, -2e-4]")

@@ -23,6 +23,7 @@ from reacting_bed_scenes import (
 from several_solids import split
 from solving import solved
 
+from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.output.tables import write_table
@@ -109,6 +110,18 @@ def decaying(**time):
     set_keys(scene, "mesh.cells = 4")
     scene["time"] = {"end": 1000.0, **time}
     return scene
+
+
+def test_a_rate_without_gas_on_the_left_has_its_orders():
+    """It would go on at one speed whatever is left."""
+    scene = decaying()
+    del scene["reactions"]["r"]["orders"]
+    with pytest.raises(
+        SceneError, match=r"give \{ S = 1.0 \} for a rate of first order"
+    ):
+        plan(from_dict(scene))
+    scene["reactions"]["r"]["orders"] = {"S": 0.0}
+    plan(from_dict(scene))
 
 
 @pytest.mark.parametrize("by", ["moles", "mass"])

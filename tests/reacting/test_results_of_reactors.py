@@ -101,6 +101,21 @@ def test_a_formula_beyond_equilibrium_is_reported_and_ends_there_with_its_quotie
     assert result.qoi["x_H2_out"] == approx(whole["x_H2_out"], rel=1e-6)
 
 
+def test_a_formula_with_its_quotient_runs_back_where_there_is_no_reactant():
+    """No CO enters: k x_CO (1 - Q/K) is -k x_CO2 x_H2/(x_H2O K) there."""
+    equations = {"shift": "CO + H2O <-> CO2 + H2"}
+    scene = equilibrium("CO2:2, H2:2, H2O:1, N2:2", 1e5, 1100.0, equations)
+    whole = solved(deepcopy(scene)).qoi
+    scene["reactions"]["shift"] = {
+        "equation": equations["shift"],
+        "rate": "k*x_CO*(1 - Q_over_K)",
+        "parameters": {"k": 1e4},
+    }
+    result = solved(scene)
+    assert result.qoi["Q_over_K_shift"] == approx(1.0, abs=1e-6)
+    assert result.qoi["x_CO_out"] == approx(whole["x_CO_out"], rel=1e-6)
+
+
 def test_the_temperature_of_equilibrium_of_constant_heats():
     """ln K = (T dS - dH)/(R T) with dH = -40 kJ/mol and dS = -40 J/mol/K."""
 
