@@ -31,6 +31,8 @@ UNDERSHOT = 1e-6  # share of the whole below zero that is counted
 DRY = 1e-9  # share of the gas beside steam below which there is no dry gas
 # Q/K of a formula above which it is reported; its own K may differ from tables
 BEYOND = 1.5
+# share of the atoms of the element of which most enters, below which others are rounding
+LEAST_ATOMS = 1e-15
 # share of the heat of reactions that is released where a bed has a hot spot
 LEAST_RELEASED = 1e-3
 BETWEEN = 2  # positions of profiles inside of each cell
@@ -340,15 +342,20 @@ def _balances(
     inward = {
         name: (float(fluxes[name][0]), -float(fluxes[name][-1])) for name in names
     }
+    both_ways: dict[str, tuple[float, float]] = {}
     for element, atoms in atoms_of(problem).items():
         streams = [
             value * count
             for name, count in zip(names, atoms.tolist(), strict=True)
             for value in inward[name]
         ]
-        entering = sum(value for value in streams if value > 0)
-        if entering > 0:
-            leaving = -sum(value for value in streams if value < 0)
+        both_ways[element] = (
+            sum(value for value in streams if value > 0),
+            -sum(value for value in streams if value < 0),
+        )
+    least = LEAST_ATOMS * max(entering for entering, _ in both_ways.values())
+    for element, (entering, leaving) in both_ways.items():
+        if entering > least:
             result.balances[element] = Balance(
                 entering, leaving, "mol/m2/s", scale=entering
             ).as_dict()
