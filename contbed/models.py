@@ -310,7 +310,7 @@ MODELS: dict[str, Model] = {
         {
             "two_energy": "equations.two_energy",
             "porous_flow": "equations.porous_flow",
-            "fronts": "fronts",
+            "schumann": "schumann",
         },
     ),
 }

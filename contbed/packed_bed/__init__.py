@@ -1,3 +1,3 @@
-"""Packed and moving beds: two energy equations, flow through the bed, fronts; scene,
+"""Packed and moving beds: two energy equations, flow through the bed, closed form; scene,
 plan, run, results.
 """
