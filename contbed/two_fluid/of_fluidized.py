@@ -26,6 +26,7 @@ HALVINGS = 60  # of FASTEST
 EMPTY = 0.1  # of the solids fraction of the bed, below which the top is a freeboard
 TOP = 0.9  # of the height of the vessel, above which the top is
 LAYERED = 1.2  # above the solids fraction below, from which the bed is no single layer
+LOST = 0.1  # share of the particles
 MIDDLE = 0.1  # of the height of the bed, about its middle
 SPECTRUM = 64  # rows from which a spectrum is taken
 PERIODS = 5.0  # of a signal whose frequency is known to a fifth
@@ -113,6 +114,20 @@ def judge(
         )
         return [f"{where}: {text}"]
     return []
+
+
+def carried_out(scene: TwoFluidScene, rows: Mapping[str, Any]) -> list[str]:
+    """Return a warning of a fluidized bed that has lost many of its particles."""
+    held = rows["solids [kg]"]
+    if not is_fluidized(scene) or densest_start(scene) < DENSE:
+        return []
+    lost = 1.0 - held[-1] / held[0]
+    if lost < LOST:
+        return []
+    return [
+        f"{100.0 * lost:.2g} % of the particles have left through outlets: lower the "
+        "velocity of the gas, or give the vessel a freeboard"
+    ]
 
 
 def minimum_fluidization(scene: TwoFluidScene, eps_s: float) -> float | None:

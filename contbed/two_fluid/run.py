@@ -253,6 +253,7 @@ def run(
         )
         result.warnings.append(f"{where}: time.step = {step:g} s: {text}")
     result.warnings += of_fluidized.judge(scene, result.profiles, result.qoi)
+    result.warnings += of_fluidized.carried_out(scene, result.profiles)
     if run.bubbles is not None:
         result.warnings += run.bubbles.judge(scene, result.qoi, run.interval)
     result.warnings += plausibility.judge(

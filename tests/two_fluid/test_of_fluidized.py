@@ -18,6 +18,7 @@ from contbed.scene.mesh import MeshRectangle
 from contbed.two_fluid.fv.grid import build
 from contbed.two_fluid.of_fluidized import (
     bed_height,
+    carried_out,
     circulation,
     layering,
     minimum_fluidization,
@@ -106,6 +107,14 @@ def test_a_plug_that_lies_on_a_looser_layer():
     assert layering(eps_s, volume, z) == approx(above / 0.4, rel=1e-12)
     even = np.where(z < 0.6, 0.4, 0.0)
     assert layering(even, volume, z) == approx(1.0, rel=1e-12)
+
+
+def test_a_bed_that_blows_out():
+    scene = column("drag_syamlal_obrien", "end = 0.004")
+    held = {"solids [kg]": np.array([3.0, 2.8, 2.4])}
+    (text,) = carried_out(scene, held)
+    assert text.startswith("20 % of the particles have left through outlets")
+    assert not carried_out(scene, {"solids [kg]": np.array([3.0, 2.8])})
 
 
 def test_circulation_of_particles_that_rise_in_a_quarter_of_the_section():
