@@ -368,4 +368,5 @@ WARNINGS: tuple[Check, ...] = (
     initial_profiles_reach_both_ends,
     heat_capacities_are_of_moles,
     an_effectiveness_is_that_of_a_first_order,
+    phase_checks.wustite_is_no_pure_oxide,
 )

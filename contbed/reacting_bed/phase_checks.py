@@ -24,6 +24,7 @@ from contbed.scene.names import nearest
 Solids = dict[str, s.Solid]
 Reactions = dict[str, s.Reaction]
 Boundaries = dict[str, s.Boundary]
+WUSTITE = "FeO"
 WHOLE = 1e-6  # by which shares of the volume may miss one
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*")
 
@@ -97,6 +98,26 @@ def phases_fill_the_bed(solids: Solids, mesh: MeshLine, see: See) -> Mistakes:
                     f"has other data in solids.{first}; they hold in all phases: give "
                     "them once, or another name",
                 )
+
+
+def wustite_is_no_pure_oxide(reactions: Reactions, solids: Solids) -> Mistakes:
+    """Look for reversible reactions of the FeO of thermodynamic tables: wustite lacks a
+    twentieth of its iron and is reduced more easily.
+    """
+    data = constituents_of(solids).get(WUSTITE)
+    given = data is not None and (data.shomate or data.heat_capacity)
+    for name, table in reactions.items():
+        equations = equations_of(name, table).values()
+        if given or table.equilibrium_factor != 1.0:
+            continue
+        if any(e.reversible and WUSTITE in e.stoichiometry for e in equations):
+            yield (
+                ("reactions", name, "equation"),
+                "thermodynamic tables hold the stoichiometric FeO, which no ore has: K "
+                "of its reduction by H2 is 0.25 at 880 degC, and that of wustite, "
+                "Fe0.947O, 0.5 to 0.6; give equilibrium_factor = 2.3, or data of wustite "
+                f"as solids.NAME.constituent.{WUSTITE}",
+            )
 
 
 def all_phases_exchange_heat_or_none(solids: Solids, closures: s.Closures) -> Mistakes:

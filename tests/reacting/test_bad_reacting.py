@@ -304,3 +304,36 @@ def test_names_in_capitals_that_read_as_iodine_or_uranium_are_refused(name, mean
 def test_argon_has_its_diffusion_volume_by_any_name():
     """Mechanisms write AR."""
     assert fuller_volume(SimpleNamespace(name="AR", composition={"Ar": 1})) == 16.2
+
+
+def test_wustite_is_not_the_oxide_of_tables():
+    """Tables hold FeO, whose K with hydrogen is less than half of that of wustite."""
+    text = """
+model = "packed_bed"
+[mesh]
+type = "line"
+length = 3.0
+[gas]
+model = "cantera"
+composition = "H2:0.7, H2O:0.05, N2:0.25"
+[solids.ore]
+diameter = 0.012
+density = 3500.0
+composition = "FeO:0.9, Al2O3:0.1"
+[packed_bed]
+porosity = 0.45
+pressure_drop = "none"
+[reactions.red]
+equation = "FeO + H2 <-> Fe + H2O"
+A = 4e-6
+E = 0
+orders = { H2 = 1, FeO = 1 }
+[boundary.left]
+gas = { molar_flux = 20.0, temperature = 1153.15 }
+[boundary.right]
+solids.ore = { velocity = 2.5e-4, temperature = 1153.15 }
+"""
+    (told,) = loads(text).warnings
+    assert "Fe0.947O" in told and "equilibrium_factor = 2.3" in told
+    assert not loads(text.replace("E = 0", "E = 0\nequilibrium_factor = 2.3")).warnings
+    assert not loads(text.replace("<->", "->")).warnings
