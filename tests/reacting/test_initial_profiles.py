@@ -117,7 +117,7 @@ def test_a_rate_without_gas_on_the_left_has_its_orders():
     scene = decaying()
     del scene["reactions"]["r"]["orders"]
     with pytest.raises(
-        SceneError, match=r"give \{ S = 1.0 \} for a rate of first order"
+        SceneError, match=r'give \{ "S" = 1.0 \} for a rate of first order'
     ):
         plan(from_dict(scene))
     scene["reactions"]["r"]["orders"] = {"S": 0.0}

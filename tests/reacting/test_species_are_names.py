@@ -127,6 +127,7 @@ def test_hydroxides_keep_their_brackets():
         law = "power"
         A = 1e-3
         E = 0.0
+        orders = { "Fe(OH)3" = 1.0 }
     """
     )
     (phase,) = models.plan(loads(scene)).problem.species.phases.values()

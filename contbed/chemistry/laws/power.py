@@ -16,9 +16,10 @@ def _power(case: Case) -> Rate:
     left = {name: -n for name, n in case.gases.items() if n < 0}
     right = {name: n for name, n in case.gases.items() if n > 0}
     elementary = case.orders == left
-    if not case.orders and case.table.orders is None:
+    given = case.orders or case.table.orders is not None
+    if not (given or case.equation.reversible):
         solids = [name for name in case.equation.left if name in case.species.solids]
-        first = " or ".join(f"{{ {name} = 1.0 }}" for name in solids)
+        first = " or ".join(f'{{ "{name}" = 1.0 }}' for name in solids)
         raise SceneError(
             f"reactions.{case.name}.orders: missing, as no gas is on the left: give "
             f"{first} for a rate of first order in what is left of it, or 0.0 for one "
