@@ -7,8 +7,6 @@ the ratio of products to reactants over that of equilibrium, by thermodynamics:
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import replace
 from typing import Any
 
 from contbed.chemistry.local import Local, Rate
@@ -18,10 +16,6 @@ from contbed.closures.formula import Formula, parse_formula
 from contbed.scene.reactions import Reaction
 
 QUOTIENT = "Q_over_K"
-# share of all gases that is added to those on the left of a formula with Q_over_K: what
-# is used up times the quotient, p_CO*(1 - Q_over_K), then has its value without any CO.
-# Ten digits of the derivative of the product are lost, five to six remain.
-TRACE = 1e-10
 
 
 def formula_values(at: Local, left: Any) -> dict[str, Any]:
@@ -76,7 +70,7 @@ def _rate(case: Case) -> Rate:
 
     def rate(at: Local) -> Any:
         if QUOTIENT in formula.names:
-            at = _with_traces(at, [name for name, n in case.gases.items() if n < 0])
+            at = case.with_traces(at)
         left = at.n[case.solid] / case.fresh(at) if converts else 1.0
         values = {**formula_values(at, left), **parameters}
         if QUOTIENT in formula.names:
@@ -85,13 +79,6 @@ def _rate(case: Case) -> Rate:
         return formula(values, at.small.amounts, sizes) * factor
 
     return rate
-
-
-def _with_traces(at: Local, names: Iterable[str]) -> Local:
-    """Return a state with a trace of each gas in it."""
-    c = {name: at.c[name] + TRACE * at.all_gases for name in names}
-    x = {name: at.x[name] + TRACE for name in names}
-    return replace(at, c={**at.c, **c}, x={**at.x, **x})
 
 
 FORMULA = RateLaw(

@@ -10,7 +10,7 @@ own, of first order in mass (`single_particle/scene.py`).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -26,6 +26,8 @@ from contbed.errors import SceneError
 from contbed.scene.reactions import Reaction
 
 BAR = 1e5  # [Pa]
+# share of all gases; of the derivative of c (1 - Q/K), ten digits of sixteen are lost
+TRACE = 1e-10
 SI_OF_BASIS = {
     "catalyst": "mol/kg/s",
     "gas": "mol/m**3/s",
@@ -117,6 +119,15 @@ class Case:
         for name, n in self.gases.items():
             made = made * power(at.c[name], n)
         return made / self.equilibrium_constant(at.T)
+
+    def with_traces(self, at: Local) -> Local:
+        """Return a state with a trace of each gas that is used up, where rates times
+        1 - Q/K have their values also without any of it.
+        """
+        used = [name for name, n in self.gases.items() if n < 0]
+        c = {name: at.c[name] + TRACE * at.all_gases for name in used}
+        x = {name: at.x[name] + TRACE for name in used}
+        return replace(at, c={**at.c, **c}, x={**at.x, **x})
 
     def constant(self, unit: str, order: float = 0.0) -> Callable[[Any], Any]:
         """Return k = A T^b exp(-E/(R T)) as a function of T [K], where k times

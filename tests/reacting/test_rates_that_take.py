@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 import contbed
 from contbed.errors import ConvergenceError, SceneError
-from contbed.loading import from_dict
+from contbed.loading import from_dict, loads
 from contbed.models import plan
 from contbed.reacting_bed import rate_checks
 from contbed.reacting_bed.rate_checks import taken_though_absent, taken_to_the_end
@@ -452,3 +452,41 @@ def test_named_laws_are_not_blamed(monkeypatch):
         lambda *_: [k * np.ones(u[0].size) for k in (0.0, 1.0, 1.0)],
     )
     assert taken_to_the_end(problem, u) is None
+
+
+LIME = """
+model = "packed_bed"
+mesh = { type = "line", length = 0.3, cells = 10 }
+gas = { model = "cantera", composition = "CO2:0.15, N2:0.85" }
+[solids.lime]
+diameter = 4e-3
+density = 1600.0
+composition = "CaO:1"
+[packed_bed]
+porosity = 0.45
+pressure_drop = "none"
+[reactions.carb]
+equation = "CaO + CO2 <-> CaCO3"
+A = 2e-5
+E = 0
+basis = "bed"
+orders = { CO2 = 1, CaO = 1 }
+[initial]
+gas.composition = "N2:1"
+temperature = 923.15
+[boundary.left]
+gas = { molar_flux = 8.0, temperature = 923.15 }
+[time]
+end = 60.0
+"""
+
+
+def test_a_law_with_orders_runs_back_where_there_is_no_gas_on_its_left():
+    """Lime in dry nitrogen: c_CO2 (1 - Q/K) is -1/K there, and no 0 times infinity."""
+    found = [
+        contbed.run(loads(LIME.replace('"N2:1"', start))).qoi["x_CO2_out"]
+        for start in ('"N2:1"', '"N2:0.999999, CO2:1e-6"')
+    ]
+    # a millionth of CO2 in the gas of the start, which has left
+    assert found[0] == approx(found[1], rel=1e-5)
+    assert 0.05 < found[0] < 0.15

@@ -35,7 +35,9 @@ def _power(case: Case) -> Rate:
         if elementary:
             back = powers(at, right, case.basis) / case.equilibrium_constant(at.T)
             return k * (forward - back)
-        return k * forward * (1.0 - case.quotient(at))
+        traced = case.with_traces(at)
+        forward = powers(traced, case.orders, case.basis)
+        return k * forward * (1.0 - case.quotient(traced))
 
     return rate
 
