@@ -158,9 +158,14 @@ def _sentence(problem: Problem, error: ConvergenceError) -> str:
             "up before the other end; lower the flow or mesh.length, or raise "
             "gas.pressure or the diameter of [solids]"
         )
+    surface = any(table.surface for table in problem.scene.reactions.values())
+    jumps = (
+        ". Coverages of a surface that have two steady states, such as those of CO and O "
+        "on platinum, make rates jump, and no state is found across a jump"
+    )
     return (
         f"{origin}: no steady state is found: {error}. Give initial.temperature near "
         "the state that is meant, slow the "
         "fastest reaction by its factor, or add closures.dispersion or "
-        "closures.dispersion_mass where a front is steep"
+        f"closures.dispersion_mass where a front is steep{jumps if surface else ''}"
     )
