@@ -454,7 +454,7 @@ def test_named_laws_are_not_blamed(monkeypatch):
     assert taken_to_the_end(problem, u) is None
 
 
-LIME = """
+PURGED = """
 model = "packed_bed"
 mesh = { type = "line", length = 0.3, cells = 10 }
 gas = { model = "cantera", composition = "CO2:0.15, N2:0.85" }
@@ -484,7 +484,7 @@ end = 60.0
 def test_a_law_with_orders_runs_back_where_there_is_no_gas_on_its_left():
     """Lime in dry nitrogen: c_CO2 (1 - Q/K) is -1/K there, and no 0 times infinity."""
     found = [
-        contbed.run(loads(LIME.replace('"N2:1"', start))).qoi["x_CO2_out"]
+        contbed.run(loads(PURGED.replace('"N2:1"', start))).qoi["x_CO2_out"]
         for start in ('"N2:1"', '"N2:0.999999, CO2:1e-6"')
     ]
     # a millionth of CO2 in the gas of the start, which has left
