@@ -104,8 +104,13 @@ def two_flux_is_low(
     packed_bed: Any | None,
     mesh: Mesh,
 ) -> Mistakes:
-    """Look for beds in which the two-flux method carries too little heat."""
+    """Look for beds in which the two-flux method carries too little heat from wall to
+    wall; a medium of given temperatures emits by itself.
+    """
     if radiation is None or radiation.level != "two_flux" or isinstance(mesh, MeshFile):
+        return
+    tables = (radiation, *solids.values())
+    if any(getattr(table, "temperature", None) is not None for table in tables):
         return
     from contbed.radiation.optics import optics
 

@@ -89,21 +89,20 @@ def test_black_plates(tau):
 @pytest.mark.parametrize("tau", [tau for tau in HEASLET_WARMING if tau >= 3.0])
 def test_a_scene_says_how_low_two_flux_is(tau):
     """By the exact flux between black plates, within 1 % of it."""
-    scene = from_dict(
-        scene_of(f"""
-            [mesh]
-            type = "line"
-            length = 1.0
+    text = f"""
+        [mesh]
+        type = "line"
+        length = 1.0
 
-            [radiation]
-            scattering = {tau!r}
-            level = "two_flux"
+        [radiation]
+        scattering = {tau!r}
+        level = "two_flux"
 
-            [boundary]
-            left.radiation = {{ temperature = 1000.0, emissivity = 1.0 }}
-            right.radiation = {{ temperature = 300.0, emissivity = 1.0 }}
-        """)
-    )
+        [boundary]
+        left.radiation = {{ temperature = 1000.0, emissivity = 1.0 }}
+        right.radiation = {{ temperature = 300.0, emissivity = 1.0 }}
+    """
+    scene = from_dict(scene_of(text))
     (said,) = (text for text in scene.warnings if "two-flux method carries" in text)
     low = float(re.search(r"carries ([\d.]+) %", said)[1])
     exact = HEASLET_WARMING[tau][0]
@@ -111,6 +110,11 @@ def test_a_scene_says_how_low_two_flux_is(tau):
         1.0 - equilibrium_flux(tau, TWO_FLUX) / exact, abs=0.01
     )
     assert "p1 or rosseland" in said
+    absorbing = {"radiation.temperature": 500.0, "radiation.absorption": tau}
+    warm = scene_of(text, absorbing)
+    assert not any(
+        "two-flux method carries" in text for text in from_dict(warm).warnings
+    )
 
 
 def test_equilibrium_limits():
