@@ -113,9 +113,11 @@ def constituents_of(problem: Problem) -> dict[str, list[str]]:
     return {name: names for name, names in found.items() if names}
 
 
-def loadings(problem: Problem, u: Array, x: Array) -> dict[str, Array]:
+def loadings(
+    problem: Problem, u: Array, x: Array, moving: bool = False
+) -> dict[str, Array]:
     """Return the intraparticle moles of each gas, adsorbed and in their pores, per
-    mass of their solid phase.
+    mass of their solid phase, or of those that move alone.
 
     Polynomials through what particles hold at the nodes: isotherms of a temperature
     and a concentration between the nodes of a front may be far from both.
@@ -126,7 +128,7 @@ def loadings(problem: Problem, u: Array, x: Array) -> dict[str, Array]:
     line = problem.line
     state = problem.bed.state(problem.at_all_points(u))
     for phase, own in problem.bed.with_states(state):
-        if (inside := phase.inside) is None:
+        if (inside := phase.inside) is None or (moving and not phase.velocity):
             continue
         for name, points in inside.held(own.inner, own.T_solid)[0].items():
             total = sum(points) / (inside.solids * inside.density)
@@ -167,6 +169,10 @@ def fill(
     state = state_at_ends(problem, u)
     _gas(problem, fluxes, state, gas_end, result)
     _solids(problem, fluxes, state, solid_end, result)
+    if problem.bed.velocity_solid:
+        end = problem.line.vertices[[solid_end]]
+        for column, q in loadings(problem, u, end, moving=True).items():
+            result.qoi[f"{column.split()[0]}_out_mol_kg"] = float(q[0])
     _extents(problem, u, state, gas_end, result)
     if problem.rings is not None:
         _across(problem, u, result)

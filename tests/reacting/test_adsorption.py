@@ -105,6 +105,11 @@ def test_a_steady_bed_that_moves(gamma, biot, fourier):
         moving_bed(gamma, biot, fourier), abs=1e-6
     )
     assert_closed(result, CLOSED, "C")
+    # what the gas has lost, to the errors of polynomials at the end
+    qoi = result.qoi
+    taken = result.balances["C"]["in"] - qoi["out_A_mol_m2s"]
+    found = qoi["solids_out_kg_m2s"] * qoi["q_A_out_mol_kg"]
+    assert found == pytest.approx(taken, rel=1e-5)
 
 
 def test_heat_of_adsorption_stays_in_the_bed():
