@@ -105,7 +105,7 @@ def two_flux_is_low(
     mesh: Mesh,
 ) -> Mistakes:
     """Look for beds in which the two-flux method carries too little heat from wall to
-    wall; a medium of given temperatures emits by itself.
+    wall; a medium of given temperatures emits on its own.
     """
     if radiation is None or radiation.level != "two_flux" or isinstance(mesh, MeshFile):
         return
