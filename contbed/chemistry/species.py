@@ -179,6 +179,23 @@ def gas_species(
     )
 
 
+def _of_these_atoms(
+    name: str, table: Substance | None, tables: Mapping[str, Any]
+) -> str:
+    """Return the one solid of tables whose formula is written in another way, as
+    CaO2H2 for Ca(OH)2; empty if there is none, or several.
+    """
+    if table is not None and table.elements:
+        return ""
+    atoms = dict(atoms_of(name, table, None))
+    alike = [
+        key
+        for key, item in tables.items()
+        if not key.endswith("(L)") and item.composition == atoms
+    ]
+    return alike[0] if len(alike) == 1 else ""
+
+
 def solid_species(name: str, table: Substance | None, needs_heat: bool) -> Thermo:
     """Return a constituent of solids with the data of its table, else those of
     Cantera's tables, else with a constant heat capacity where no heat is solved for.
@@ -193,10 +210,11 @@ def solid_species(name: str, table: Substance | None, needs_heat: bool) -> Therm
         if found is not None:
             return found
     tables = _condensed()
-    if name in tables:
+    own = name if name in tables else _of_these_atoms(name, table, tables)
+    if own:
         stated = None if table is None else table.molar_mass
         mass = stated or molar_mass_of(atoms_of(name, table, None))
-        return species_of(name, tables[name], mass, with_jumps=True)
+        return species_of(name, tables[own], mass, with_jumps=True)
     if table is None and not needs_heat:
         return solid_species(name, Substance(), needs_heat)
     raise SceneError(

@@ -28,16 +28,15 @@ def _power(case: Case) -> Rate:
     constant = case.constant(SI_OF_BASIS[case.basis], sum(case.orders.values()))
 
     def rate(at: Local) -> Any:
-        k = constant(at.T)
+        if case.equation.reversible and not elementary:
+            traced = case.with_traces(at)
+            forward = powers(traced, case.orders, case.basis)
+            return constant(at.T) * forward * (1.0 - case.quotient(traced))
         forward = powers(at, case.orders, case.basis)
-        if not case.equation.reversible:
-            return k * forward
-        if elementary:
+        if case.equation.reversible:
             back = powers(at, right, case.basis) / case.equilibrium_constant(at.T)
-            return k * (forward - back)
-        traced = case.with_traces(at)
-        forward = powers(traced, case.orders, case.basis)
-        return k * forward * (1.0 - case.quotient(traced))
+            return constant(at.T) * (forward - back)
+        return constant(at.T) * forward
 
     return rate
 
