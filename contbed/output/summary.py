@@ -106,8 +106,12 @@ def _parts(summary: Mapping[str, Any]) -> Iterable[Any]:
             "closure", ["argument", "used", "range", "outside"], _closure_rows(closures)
         )
     if qoi := summary.get("qoi"):
+        units = summary.get("units") or {}
         rows = [
-            [labelled(name_of(key), _unit(key)), number_text(value, ".6g")]
+            [
+                labelled(name_of(key), _unit(key, units.get(key))),
+                number_text(value, ".6g"),
+            ]
             for key, value in qoi.items()
         ]
         yield _grid("result", [""], rows)
@@ -182,11 +186,11 @@ def _grid(title: str, columns: list[str], rows: list[list[str]]) -> Any:
     return grid
 
 
-def _unit(key: str) -> str | None:
-    """Return the unit in a name, "power [W]", or that of its field; None where the
-    unit ends the name.
+def _unit(key: str, own: str | None) -> str | None:
+    """Return the unit in a name, "power [W]", its `own` in a run, J/m2 on a line, or
+    that of its field; None where the unit ends the name.
     """
-    unit = unit_of(key)
+    unit = own or unit_of(key)
     return unit_in(key) or (None if key.endswith(f"_{unit}") else unit)
 
 

@@ -385,6 +385,16 @@ def test_result_table_is_plain_and_complete():
     )
 
 
+def test_result_table_has_the_units_of_a_line():
+    """Heats on a line are per area, whatever their names say."""
+    qoi = {"duty_W": 2.0, "T_fluid_out_K": 300.0}
+    text = summary.table(
+        {"qoi": qoi, "units": {"duty_W": "W/m2", "T_fluid_out_K": "K"}}
+    )
+    assert "duty_W [W/m2]" in text and "T_fluid_out_K [" not in text
+    assert "duty_W  " in summary.table({"qoi": qoi, "units": {"duty_W": "W"}})
+
+
 def test_result_table_has_colour_on_a_terminal(monkeypatch):
     monkeypatch.setattr(sys, "stdout", FakeTerminal())
     monkeypatch.setenv("TERM", "xterm")
