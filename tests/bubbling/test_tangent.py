@@ -151,6 +151,7 @@ feed = { mass_flow = "10 t/h", temperature = 288.15, height = 0.3, width = 0.1, 
 """
 
 
+@pytest.mark.slow
 def test_a_height_that_hardly_moves():
     """A key whose small change moves the height of the bed by 1e-8 of it: rounding ends
     the rounds.
