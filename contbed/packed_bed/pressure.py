@@ -172,8 +172,8 @@ def expanded(plan: Any, T: Array) -> str:
     density = np.broadcast_to(fluid.density(between), between.shape)
     hot = abs(medium.T_fluid_in - span[0]) > abs(medium.T_fluid_in - span[1])
     entering = density[-1 if hot else 0]
-    capacity = fluid.heat_capacity(between) + 0.0 * between
-    of_solid = solid.density(between) * solid.heat_capacity(between) + 0.0 * between
+    capacity = fluid.heat_capacity(between)
+    of_solid = solid.density(between) * solid.heat_capacity(between)
     held = np.mean(porosity * density * capacity + (1.0 - porosity) * of_solid)
     more = np.mean(porosity * (entering - density) * capacity)
     change = float(more / (held + more))

@@ -116,8 +116,12 @@ class Schumann:
         """Return such temperatures at both coordinates (n,)."""
         tau = np.maximum(tau, 0.0)
         enters = self.inlet - self.solid
-        T_fluid = enters * (1.0 - chndtr(2.0 * xi, 2.0, 2.0 * tau))
-        T_solid = enters * chndtr(2.0 * tau, 2.0, 2.0 * xi)
+        # 1 - J(xi, tau) and 1 - J(tau, xi)
+        of_fluid, of_solid = (
+            chndtr(2.0 * xi, 2.0, 2.0 * tau),
+            chndtr(2.0 * tau, 2.0, 2.0 * xi),
+        )
+        T_fluid, T_solid = enters * (1.0 - of_fluid), enters * of_solid
         r = self.capacity_fluid / self.capacity_solid
         left = (self.fluid - self.solid) * r / (1.0 + r)
         if left:
@@ -135,11 +139,7 @@ class Schumann:
             )
             solid = (w * tau[:, None] * ratio).sum(axis=1)
             # those of g = 1, less those of the exponential
-            T_fluid = T_fluid + left * (chndtr(2.0 * xi, 2.0, 2.0 * tau) - fluid)
-            T_solid = T_solid + left * (
-                1.0
-                - chndtr(2.0 * tau, 2.0, 2.0 * xi)
-                - np.exp(-(1.0 + r) * xi - tau)
-                - solid
-            )
+            T_fluid = T_fluid + left * (of_fluid - fluid)
+            at_once = np.exp(-(1.0 + r) * xi - tau)
+            T_solid = T_solid + left * (1.0 - of_solid - at_once - solid)
         return T_fluid, T_solid

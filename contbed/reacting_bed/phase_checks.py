@@ -105,12 +105,13 @@ def wustite_is_no_pure_oxide(reactions: Reactions, solids: Solids) -> Mistakes:
     twentieth of its iron and is reduced more easily.
     """
     data = constituents_of(solids).get(WUSTITE)
-    given = data is not None and (data.shomate or data.heat_capacity)
+    if data is not None and (data.shomate or data.heat_capacity):
+        return
     for name, table in reactions.items():
-        equations = equations_of(name, table).values()
-        if given or table.equilibrium_factor != 1.0:
-            continue
-        if any(e.reversible and WUSTITE in e.stoichiometry for e in equations):
+        if table.equilibrium_factor == 1.0 and any(
+            each.reversible and WUSTITE in each.stoichiometry
+            for each in equations_of(name, table).values()
+        ):
             yield (
                 ("reactions", name, "equation"),
                 "thermodynamic tables hold the stoichiometric FeO, which no ore has: K "

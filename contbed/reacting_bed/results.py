@@ -348,19 +348,19 @@ def _balances(
     inward = {
         name: (float(fluxes[name][0]), -float(fluxes[name][-1])) for name in names
     }
-    both_ways: dict[str, tuple[float, float]] = {}
+    crossing: dict[str, tuple[float, float]] = {}
     for element, atoms in atoms_of(problem).items():
         streams = [
             value * count
             for name, count in zip(names, atoms.tolist(), strict=True)
             for value in inward[name]
         ]
-        both_ways[element] = (
+        crossing[element] = (
             sum(value for value in streams if value > 0),
             -sum(value for value in streams if value < 0),
         )
-    least = LEAST_ATOMS * max(entering for entering, _ in both_ways.values())
-    for element, (entering, leaving) in both_ways.items():
+    least = LEAST_ATOMS * max(entering for entering, _ in crossing.values())
+    for element, (entering, leaving) in crossing.items():
         if entering > least:
             result.balances[element] = Balance(
                 entering, leaving, "mol/m2/s", scale=entering

@@ -68,12 +68,16 @@ def is_fluidized(scene: TwoFluidScene) -> bool:
     return blown and scene.closures.drag != ABSENT and scene.two_fluid.gravity > 0.0
 
 
+def is_dense(scene: TwoFluidScene) -> bool:
+    """Whether gas fluidizes a bed that is dense at the start."""
+    return is_fluidized(scene) and densest_start(scene) >= DENSE
+
+
 def has_bubbles(scene: TwoFluidScene, dimension: int) -> bool:
     """Whether a run looks for bubbles: in a dense bed that gas fluidizes, with
     averages.
     """
-    dense = is_fluidized(scene) and densest_start(scene) >= DENSE
-    return dense and dimension > 1 and scene.time.average_from is not None
+    return is_dense(scene) and dimension > 1 and scene.time.average_from is not None
 
 
 def densest_start(scene: TwoFluidScene) -> float:
@@ -85,18 +89,30 @@ def densest_start(scene: TwoFluidScene) -> float:
 def judge(
     scene: TwoFluidScene, rows: Mapping[str, Any], qoi: Mapping[str, Any]
 ) -> list[str]:
-    """Return warnings of rows that are too few for the frequency of the pressure, and of
-    a bed that is no single layer.
+    """Return warnings of a fluidized bed: of averages of more than one layer, and of
+    rows that are too few for the frequency of the pressure.
     """
-    start = scene.time.average_from
-    if start is None or not is_fluidized(scene) or densest_start(scene) < DENSE:
+    if not is_dense(scene):
         return []
-    if qoi.get("eps_s_above_over_below", 1.0) > LAYERED:
-        text = (
-            "a denser layer of particles lies on a looser one, so that bed_height_m, that "
-            "of a single layer, means nothing; average later, when the bed is at rest"
-        )
-        return [f"{scene.origin.place(('time', 'average_from'))}: {text}"]
+    return [*_layered(scene, qoi), *_unknown_frequency(scene, rows, qoi)]
+
+
+def _layered(scene: TwoFluidScene, qoi: Mapping[str, Any]) -> list[str]:
+    if qoi.get("eps_s_above_over_below", 1.0) <= LAYERED:
+        return []
+    text = (
+        "a denser layer of particles lies on a looser one, so that bed_height_m, that "
+        "of a single layer, means nothing; average later, when the bed is at rest"
+    )
+    return [f"{scene.origin.place(('time', 'average_from'))}: {text}"]
+
+
+def _unknown_frequency(
+    scene: TwoFluidScene, rows: Mapping[str, Any], qoi: Mapping[str, Any]
+) -> list[str]:
+    start = scene.time.average_from
+    if start is None:
+        return []
     late = rows["t [s]"] >= start
     span = float(np.ptp(rows["t [s]"][late]))
     frequency = qoi.get("dominant_frequency [Hz]")
@@ -118,9 +134,9 @@ def judge(
 
 def carried_out(scene: TwoFluidScene, rows: Mapping[str, Any]) -> list[str]:
     """Return a warning of a fluidized bed that has lost many of its particles."""
-    held = rows["solids [kg]"]
-    if not is_fluidized(scene) or densest_start(scene) < DENSE:
+    if not is_dense(scene):
         return []
+    held = rows["solids [kg]"]
     lost = 1.0 - held[-1] / held[0]
     if lost < LOST:
         return []

@@ -97,8 +97,8 @@ def test_a_bed_in_a_vessel_that_widens(kind):
 
 
 def test_a_plug_that_lies_on_a_looser_layer():
-    """0.4 m of 0.4 below 0.2 m of 0.6: the centre of mass is at 0.3286 m, with the cells
-    below it of 0.4 alone and 3.2 cm of them above.
+    """0.4 m of 0.4 below 0.2 m of 0.6: the centre of mass is at 0.3286 m, with cells
+    of 0.4 alone below it, and the 7 cm of them above 0.33 m.
     """
     z = (np.arange(100) + 0.5) / 100
     eps_s = np.where(z < 0.4, 0.4, np.where(z < 0.6, 0.6, 0.0))

@@ -63,8 +63,8 @@ def marched(bed, steps):
 @pytest.mark.parametrize("share", [0.4, 1.3])
 @pytest.mark.parametrize("C_f", [0.4, 3e3], ids=["gas", "liquid"])
 def test_phases_that_start_apart(C_f, share):
-    """Before and after what fills the bed has left: cells of a 20th of a transfer unit err
-    by a 400th of it squared, 2e-4 of 300 K, the front by its cell.
+    """Before and after what fills the bed has left: cells of a 50th of a transfer unit err
+    by some tenths of its square, 3e-5 of 300 K, the front by its cell.
     """
     bed = Schumann(1.0, 0.5, C_f, 2e3, 5.0 * C_f, inlet=600.0, fluid=500.0, solid=300.0)
     z, time, fluid, solid = marched(bed, int(share * CELLS))
