@@ -12,10 +12,12 @@ Gamma the density of sites and s_i the sites that one molecule takes:
 Motz and Wise put gamma/(1 - gamma/2) in place of gamma, here with gamma at most 1. A step back has
 k_j/K of the step ahead, K by the thermodynamics of gases and adsorbates. Coverages follow from
 
-    sum_j nu_ij r_j = 0,   sum_i theta_i = 1,
+    sum_j nu_ij r_j = (theta_i - theta_i0) Gamma/(s_i t),   sum_i theta_i = 1,
 
-which Newton's method solves for their logarithms with a pseudo time step that grows, from
-the coverages of the file or those of the call before. Derivatives to temperature and
+with theta_i0 those of the file and t = 1e7 s. They are in steady state with the gas, but for
+surfaces that take longer to cover, as cold ones do with carbon. Newton's method solves for
+their logarithms with a pseudo time step that grows, from the coverages of the file or those
+of the call before. Derivatives to temperature and
 concentrations are those of implicit functions. Atoms of gases are conserved to rounding,
 as the rates are those of one equation for each gas that is made of others.
 
@@ -46,16 +48,20 @@ from contbed.scene.reactions import Reaction
 Array = NDArray[np.float64]
 KMOL = 1e3  # [mol], the unit of amounts in Cantera
 READ = ("interface-Arrhenius", "sticking-Arrhenius")
-# [kmol/m3] below which rates are straight lines of a concentration
-LEAST = 1e-15
+# [kmol/m3] below which rates are straight lines of a concentration; gas of twice as much
+# covers less than 1e-12 of a surface in DURATION
+LEAST = 1e-21
+DURATION = 1e7  # [s] of the gas over the surface
 LEAST_COVERAGE, FIRST_COVERAGE = 1e-80, 1e-12  # the latter at the start
 FIRST_STEP, LAST_STEP = 1e-9, 1e25  # of pseudo time [s]
 LARGEST_FALL = 0.1  # of a coverage, its share that is left after an iteration
+# change of a coverage, relative to itself and a trace, to which a pseudo time step holds
+TRACE, SMALL_CHANGE, LARGE_CHANGE = 1e-3, 0.3, 0.5
 # from coverages that are known, and from those of the file
 ITERATIONS, MARCHED = 20, 300
 EXACT = 1e-10  # relative change of all coverages at which an iteration ends
 # sum of the rates of a coverage over their sizes that is rounding
-ROUNDING = 1e-12
+ROUNDING = 1e-11
 
 
 class Gas(NamedTuple):
@@ -197,21 +203,26 @@ class Surface:
     ) -> tuple[Array, NDArray[np.bool_]]:
         """Return coverages from those at the start, and where they are not steady."""
         N, made = len(gas.T), self.made[:, len(self.gases) :]
+        start = np.maximum(self.start, FIRST_COVERAGE)[:, None]
         theta, dt, open_ = theta.copy(), np.full(N, step), np.arange(N)
         for _ in range(MARCHED if step < LAST_STEP else ITERATIONS):
             here = theta[:, open_]
             r, _, by_theta = self._steps(gas.at(open_), here)
             matrix, row = self._matrix(r, by_theta, here, dt[open_])
-            residual = made.T @ r
-            noise = np.abs(residual) <= ROUNDING * (np.abs(made).T @ r)
+            residual = made.T @ r + self._held(start - here) / DURATION
+            sizes = np.abs(made).T @ r + self._held(start + here) / DURATION
+            noise = np.abs(residual) <= ROUNDING * sizes
             points = np.arange(len(open_))
             residual[row, points] = 1.0 - here.sum(axis=0)
+            noise[row, points] = True
             change = np.linalg.solve(matrix, residual.T[..., None])[..., 0].T
+            of_most = (np.abs(change) * here / (here + TRACE)).max(axis=0)
             factor = np.maximum(1.0 + change, LARGEST_FALL)
             here = np.maximum(here * factor, LEAST_COVERAGE)
             theta[:, open_] = here / here.sum(axis=0)
             size = np.abs(change).max(axis=0)
-            grows = np.where(size < 1.0, 10.0, np.where(size < 100.0, 1.0, 0.2))
+            falls = np.where(of_most < LARGE_CHANGE, 1.0, 0.2)
+            grows = np.where(of_most < SMALL_CHANGE, 10.0, falls)
             steady = (dt[open_] >= LAST_STEP) & (
                 (size < EXACT) | (noise.all(axis=0) & (size < 1e-3))
             )
@@ -260,17 +271,21 @@ class Surface:
         r = np.exp(ln_k + gas.ln_rest + orders @ ln_theta)
         return r, by_T + gas.by_T, by_theta + orders[..., None]
 
+    def _held(self, theta: Array) -> Array:
+        """Return what a surface holds of each adsorbate [kmol/m2] (S, N)."""
+        return (self.density / self.sites)[:, None] * theta
+
     def _matrix(
         self, r: Array, by_theta: Array, theta: Array, dt: Array | float = np.inf
     ) -> tuple[Array, NDArray[np.intp]]:
-        """Return minus the derivatives of what is made of adsorbates to ln theta, with a
-        pseudo time step (N, S, S), and the row of the sum of coverages at each point.
+        """Return minus the derivatives of what is made and held of adsorbates to
+        ln theta, with a pseudo time step (N, S, S), and the row of the sum of coverages
+        at each point.
         """
         made = self.made[:, len(self.gases) :]
         matrix = -_summed(made, r[:, None] * by_theta)
         every, points = np.arange(len(theta)), np.arange(theta.shape[1])
-        held = (self.density / self.sites)[:, None] * theta
-        matrix[:, every, every] += (held / dt).T
+        matrix[:, every, every] += (self._held(theta) * (1.0 / dt + 1.0 / DURATION)).T
         row = theta.argmax(axis=0)
         matrix[points, row] = theta.T
         return matrix, row

@@ -97,8 +97,9 @@ def test_rates_at_random_coverages(file, name):
 
 @pytest.mark.parametrize(("file", "name"), MECHANISMS)
 def test_steady_coverages(file, name):
-    """At our coverages Cantera makes of the gases what we say, to 1e-9 of the largest: and
-    of adsorbates nothing, to 1e-9 of what comes and goes.
+    """At our coverages Cantera makes of the gases what we say, to 1e-9 of the largest and
+    what a surface takes up in 1e7 s: and of adsorbates just that, to 1e-9 of what comes
+    and goes.
     """
     known, surface, gas = mechanism(file, name)
     for T, p, x in zip(*states(gas, (600.0, 1600.0), 2), strict=True):
@@ -110,11 +111,14 @@ def test_steady_coverages(file, name):
         surface.coverages = theta
         rates, _ = known.rates(np.array([[T], *c]), {})
         exact = made_by_cantera(surface, known.gases)
-        assert made_of(known, rates[:, 0]) == approx(exact, abs=1e-9 * abs(exact).max())
+        whole = 1e3 * known.density / known.sites
+        close = 1e-9 * abs(exact).max() + 4.0 * whole.max() / 1e7
+        assert made_of(known, rates[:, 0]) == approx(exact, abs=close)
+        taken_up = whole * (theta - np.maximum(known.start, 1e-12)) / 1e7
         of_adsorbates = made_by_cantera(surface, known.adsorbates)
         turned = surface.creation_rates + surface.destruction_rates
         sizes = 1e3 * of_species(surface, turned, known.adsorbates)
-        assert (abs(of_adsorbates) <= 1e-9 * sizes + 1e-300).all()
+        assert (abs(of_adsorbates - taken_up) <= 1e-9 * sizes + 1e-300).all()
 
 
 @pytest.mark.parametrize(("file", "name"), MECHANISMS[:2])
@@ -325,9 +329,11 @@ def test_a_mechanism_beside_the_scene(tmp_path):
 
 
 def test_a_surface_on_which_nothing_reacts():
-    """Oxygen alone at 273 K: what leaves is what enters, to rounding."""
+    """Oxygen alone at 273 K: what leaves is what enters, to the half of a monolayer that
+    the surface takes up in 1e7 s, 3e-12.
+    """
     result = contbed.run(from_dict(bed("ptcombust.yaml", 273.15, "O2:0.21, N2:0.79")))
-    assert result.qoi["x_O2_out"] == approx(0.21, rel=1e-12)
+    assert result.qoi["x_O2_out"] == approx(0.21, rel=1e-11)
     assert not any(name.startswith("yield") for name in result.qoi)
 
 
