@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from contbed.chemistry.elements import ATOMIC_WEIGHTS, elements_of, molar_mass_of
@@ -64,6 +65,7 @@ def condensed_names() -> tuple[str, ...]:
         return ()
 
 
+@lru_cache(maxsize=2)
 def _condensed(melted: float = 0.0) -> dict[str, Any]:
     """Return the solids of Cantera's tables by formula, those left out that melt below
     a temperature [K]; the form that is stable at the lowest temperature.

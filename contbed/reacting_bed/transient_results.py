@@ -96,19 +96,28 @@ def _balances(problem: Problem, history: BedHistory, result: Result) -> None:
     held = contents(problem, history.state)
     gain = held - history.held
     inward = history.passed * np.array([1.0, -1.0])
-    for element, atoms in results.atoms_of(problem).items():
-        fluxes = (atoms @ inward).tolist()
-        both_ways = float((atoms @ history.both_ways).sum())
-        scale = max(
-            both_ways, float(np.abs(gain * atoms).max()), _blurring(held * atoms)
+    elements = results.atoms_of(problem)
+    both_ways = {
+        element: float((atoms @ history.both_ways).sum())
+        for element, atoms in elements.items()
+    }
+    scales = {
+        element: max(
+            both_ways[element],
+            float(np.abs(gain * atoms).max()),
+            _blurring(held * atoms),
         )
-        if scale > 0.0:
+        for element, atoms in elements.items()
+    }
+    least = results.LEAST_ATOMS * max(scales.values())
+    for element, atoms in elements.items():
+        if scales[element] > least:
             result.balances[element] = Balance.of_fluxes(
-                fluxes,
+                (atoms @ inward).tolist(),
                 "mol/m2",
                 stored=float(gain @ atoms),
-                floor=scale,
-                both_ways=both_ways,
+                floor=scales[element],
+                both_ways=both_ways[element],
             ).as_dict()
     unknowns = problem.layout.unknowns
     heat = [k for k, each in enumerate(unknowns) if each.is_temperature]
