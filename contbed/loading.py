@@ -134,7 +134,11 @@ def _build(
         from contbed.explain.closure_keys import right_keys
 
         problems = [
-            (path, text + right_keys(model, path, at(values, path)))
+            (
+                path,
+                _in_other_models(kind, path)
+                or text + right_keys(model, path, at(values, path)),
+            )
             for path, text in problems
         ]
         problems.sort(key=lambda problem: origin.line(problem[0]))
@@ -160,6 +164,24 @@ def _build(
     remarks.sort(key=lambda remark: origin.line(remark[0]))
     scene._warnings = tuple(line(origin, values, path, text) for path, text in remarks)
     return scene
+
+
+def _in_other_models(kind: str, path: KeyPath) -> str:
+    """Say which models have the table that a kind of scenes does not; empty where none
+    has it, or the path is no table.
+    """
+    tables = MODELS[kind].scene.model_fields
+    if len(path) != 1 or path[0] in tables:
+        return ""
+    others = {
+        each.name for each in MODELS.values() if path[0] in each.scene.model_fields
+    }
+    if not others or MODELS[kind].name in others:
+        return ""
+    return (
+        f"unknown table; {MODELS[kind].name} does not have it, but {', '.join(sorted(others))}; "
+        f"allowed: {', '.join(tables)}"
+    )
 
 
 def _require_a_model(values: Mapping[str, Any], origin: Origin) -> None:

@@ -118,3 +118,13 @@ def test_a_table_without_keys_says_so():
     assert problems_of(loads, text) == [
         "scene.toml:15: heat.colour = 250000.0: unknown key; this table has no keys"
     ]
+
+def test_a_table_that_only_other_models_have_is_named_with_these():
+    """`time` is no misspelt `title`."""
+    steady = MODELS["bubbling_bed"].template.read_text()
+    refused(
+        r"time: unknown table; bubbling_bed does not have it, but packed_bed, particles, "
+        r"single_particle, two_fluid; allowed: title",
+        loads,
+        steady + "\n[time]\nend = 5.0\n",
+    )
