@@ -25,6 +25,8 @@ ROUNDING = 0.01
 # of the particles, below which a closure out of its range is left to its table
 FEW_PARTICLES = 0.01
 PERCENTILES = (5, 50, 95)  # of the coefficients of single particles
+# resistance inside of particles over that of the gas around, from which a run warns
+LARGE_INSIDE = 0.05
 
 
 def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
@@ -83,6 +85,8 @@ def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) ->
     average = history.average
     if average.mean:
         _fill_coefficients(result, average)
+        if bed.T is not None:
+            result.warnings += _inside(plan, bed, average)
     result.qoi |= {
         "coordination": average.coordination,
         "porosity": float(average.eps.mean()),
@@ -126,6 +130,21 @@ def _fill_coefficients(result: Result, average: Average) -> None:
         result.qoi[f"h_{name}_percentiles [W/m2/K]"] = np.percentile(
             values, PERCENTILES
         ).tolist()
+
+
+def _inside(plan: GasPlan, bed: Bed, average: Average) -> list[str]:
+    """Warn of particles that conduct badly: each has one temperature, so that the
+    resistance inside, R/(5 k) of a sphere that cools slowly, is left out.
+    """
+    k, R = plan.scene.solid.conductivity, bed.simulation.radius
+    share = float((average.mean["convection"] * R).mean()) / (5.0 * k)
+    if share < LARGE_INSIDE:
+        return []
+    return [
+        "each particle has one temperature, but what it conducts inside resists by "
+        f"{share:.2g} of what the gas does (h d/(2 k) = {5.0 * share:.2g}): heat "
+        f"between gas and particles is up to {100.0 * share:.0f} % too large"
+    ]
 
 
 def _fill_ranges(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:

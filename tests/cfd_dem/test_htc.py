@@ -286,6 +286,19 @@ def test_an_interrupted_scene_continues_bit_for_bit(tmp_path):
     same_run(cb.run(scene, restart=tmp_path), whole)
 
 
+@pytest.mark.parametrize("k, warns", [(2.0, False), (0.1, True)])
+def test_particles_that_conduct_badly_are_a_warning(k, warns):
+    """R/(5 k) beside 1/h, which a sphere has that cools slowly."""
+    result = cb.run(
+        loads(STIRRED.replace("conductivity = 0.84", f"conductivity = {k}"))
+    )
+    said = [text for text in result.warnings if "each particle has one temp" in text]
+    assert bool(said) is warns
+    if warns:
+        share = result.qoi["h_convection [W/m2/K]"] * D / 2.0 / (5.0 * k)
+        assert f"up to {100.0 * share:.0f} % too large" in said[0]
+
+
 @each_case(__file__, "mistakes_are_named_with_their_line")
 def test_mistakes_are_named_with_their_line(folder, old, new, wanted):
     with pytest.raises(SceneError) as error:

@@ -119,6 +119,7 @@ def test_a_table_without_keys_says_so():
         "scene.toml:15: heat.colour = 250000.0: unknown key; this table has no keys"
     ]
 
+
 def test_a_table_that_only_other_models_have_is_named_with_these():
     """`time` is no misspelt `title`."""
     steady = MODELS["bubbling_bed"].template.read_text()
