@@ -4,6 +4,8 @@ duties.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,6 +14,7 @@ import numpy as np
 from contbed.bubbling_bed.closures import FREEBOARD, archimedes, gas_state
 from contbed.bubbling_bed.equations import freeboard as model
 from contbed.bubbling_bed.equations.coefficients import Local, Surface
+from contbed.bubbling_bed.equations.species import SourceTerms
 from contbed.closures.optics import SIGMA
 
 
@@ -23,6 +26,11 @@ class FreeboardProblem:
     def __init__(self, scene: Any, computed: Any):
         self.scene = scene
         self.computed = computed
+        chemistry = getattr(computed, "chemistry", None)
+        # gases as in the bed, in the one phase above it
+        self.species = (
+            replace(chemistry.part, phases=("freeboard",)) if chemistry else None
+        )
         self.table = scene.bubbling_bed.freeboard
         self.coefficients = computed.coefficients
         names = computed.names
@@ -68,28 +76,37 @@ class FreeboardProblem:
             SIGMA * above**4 if above is not None else None,
             1e6 * computed.flow / (0.02 * computed.rho_solid),
             scene.solver.degree,
-            ("carryover", *(self._out if self._reacts else ())),
+            self.species.gases if self.species is not None else {},
+            self.made,
         )
-
-    @property
-    def _reacts(self) -> bool:
-        return getattr(self.computed, "chemistry", None) is not None
-
-    @property
-    def _out(self) -> dict[str, str]:
-        """Unknown mole flow above the bed by gas."""
-        return {f"out_{name}": name for name in self.computed.chemistry.part.gases}
 
     def gas(self, u: Any) -> tuple[Any, Any]:
         """Return the mass flow [kg/s] and properties of the gas."""
-        if not self._reacts:
+        if self.species is None:
             return self.computed.flow, self.computed.gas
         from contbed.bubbling_bed.chemistry.problem import Mixture
 
-        gases = self.computed.chemistry.part.gases
-        moles = {name: getattr(u, out) for out, name in self._out.items()}
-        mass = sum(gases[name].molar_mass * amount for name, amount in moles.items())
-        return mass, Mixture.of(self.computed.gas, moles, gases)
+        moles = self.species.flow(u, "freeboard")
+        mass = self.species.mass(u, "freeboard")
+        return mass, Mixture.of(self.computed.gas, moles, self.species.gases)
+
+    @property
+    def reacts(self) -> bool:
+        """Whether reactions run in the gas above the bed."""
+        return self.species is not None and any(
+            reaction.in_gas for reaction in self.species.reactions
+        )
+
+    def made(self, u: Any) -> Mapping[str, Any]:
+        """Return what reactions of gases make of each [mol/s/m]; particles do not
+        react above the bed.
+        """
+        assert self.species is not None
+        state, terms = self.species.state(u, None), SourceTerms(self.species)
+        for reaction in self.species.reactions:
+            if reaction.in_gas:
+                reaction(state, terms)
+        return terms.gas["freeboard"]
 
     def state(self, u: Any) -> tuple[dict[str, Any], Any, Any]:
         """Return the arguments for closures at the temperature of the gas, its mass
@@ -167,10 +184,13 @@ class FreeboardProblem:
     def sizes(self) -> dict[str, float]:
         """Typical values of unknowns that are no temperatures."""
         flow = self.computed.rho_solid * 0.1
-        out = {"flow_up": flow, "carryover": flow}
-        if self._reacts:
-            out |= dict.fromkeys(self._out, self.computed.flow / 0.03)
-        return out
+        return {"flow_up": flow, "carryover": flow} | self.flows
+
+    @property
+    def flows(self) -> dict[str, float]:
+        """Typical values of the flows of gases."""
+        whole = self.computed.flow / 0.03  # [mol/s] by the molar mass of air
+        return {model.flow_of(name): whole for name in self.part.gases}
 
     def start(self, T: float, z: Any) -> dict[str, Any]:
         """Return a first guess: particles that fall back at the decay rate of the
@@ -178,12 +198,11 @@ class FreeboardProblem:
         """
         flow = self.computed.flow
         out: dict[str, Any] = {}
-        if self._reacts:
-            part = self.computed.chemistry.part
-            mean = part.inlet_molar_mass
+        if self.species is not None:
+            entering = self.species.as_entering(flow)
             out |= {
-                key: np.array([flow * part.inlet.get(name, 0.0) / mean])
-                for key, name in self._out.items()
+                model.flow_of(name): np.array([amount])
+                for name, amount in entering.items()
             }
         here = self.local_coefficients(
             SimpleNamespace(T_freeboard=np.full(1, T), **out), None

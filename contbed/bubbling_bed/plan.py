@@ -29,6 +29,7 @@ THIN = 1e-9  # share of the height below which a layer is not resolved
 # share of the least diameter of particles to which thinner layers are resolved: no
 # continuum is finer
 CONTINUUM = 1e-2
+BURNING = 0.01  # [s] of gases above the bed, over which automatic meshes resolve them
 
 
 @dataclass(frozen=True)
@@ -102,6 +103,7 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
     )
     layers = predicted_layers(c, scene.bubbling_bed.height, hottest(scene), finest)
     layers += _narrow_feeds(scene, c)
+    layers += _flame(scene, c)
     mesh = _mesh(scene, layers)
     return BubblingPlan(
         scene, c, mesh, *built_and_skipped(_parts(scene, c, mesh, len(layers)))
@@ -240,6 +242,19 @@ def _narrow_feeds(
         if stream.conduction < carried * feed.width:
             found.append((min(feed.height, height), feed.width))
     return found
+
+
+def _flame(
+    scene: b.BubblingScene, c: model.Coefficients
+) -> list[tuple[float, float]]:
+    """Return position and width [m] of the layer above the surface in which gases
+    burn, on the mesh of the bed.
+    """
+    if c.above is None or not c.above.reacts:
+        return []
+    gas = c.computed.gas
+    velocity = c.computed.flow / (gas.density(hottest(scene)) * c.section)
+    return [(scene.bubbling_bed.height, velocity * BURNING / c.above.part.stretch)]
 
 
 def _mesh(scene: b.BubblingScene, layers: list[tuple[float, float]]) -> Mesh:

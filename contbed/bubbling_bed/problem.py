@@ -92,7 +92,8 @@ class BubblingProblem:
         for name, size in getattr(self.c.computed, "sizes", {}).items():
             self.system.part(self.weights, name)[:] = TYPICAL / size
         self.lower = np.zeros(self.system.size)
-        for name, size in getattr(self.chemistry, "sizes", {}).items():
+        flows = getattr(self.chemistry, "sizes", {}) | getattr(self.above, "flows", {})
+        for name, size in flows.items():
             # what is exhausted may be missed by little
             self.system.part(self.lower, name)[:] = -MISSED * size
 

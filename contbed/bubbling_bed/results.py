@@ -324,6 +324,13 @@ def _freeboard(
         if name_of(key) in values:
             rising = values[name_of(key)][::-1]
             result.profiles[key] = np.concatenate([nothing, rising])
+    if above.species is not None:
+        from contbed.bubbling_bed.chemistry import results as chemistry_results
+
+        shares = chemistry_results.mole_fractions(above.species, values, "freeboard")
+        result.profiles |= {
+            key: np.concatenate([nothing, x[::-1]]) for key, x in shares.items()
+        }
     return used
 
 

@@ -183,7 +183,7 @@ def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, 
     # the first node is the end of the freeboard
     end = {
         key: problem.system.part(state, key)[:1]
-        for key in ("T_freeboard", *problem.c.scalars)
+        for key in (*above.part.fields, *problem.c.scalars)
     }
     unknowns = SimpleNamespace(**end)
     there = above.state(unknowns)[0]

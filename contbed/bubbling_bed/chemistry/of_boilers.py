@@ -47,7 +47,7 @@ def boiler_findings(
     if qoi["oxygen_ratio"] < 1.0:
         return
     power = qoi["fuel_power_W"]
-    qoi["loss_flue_gas"] = flue_gas_heat(problem, chemistry, state, streams) / power
+    qoi["loss_flue_gas"] = flue_gas_heat(problem, chemistry, streams) / power
     qoi["loss_solids"] = heat_of_drain(problem, chemistry, state, streams) / power
     qoi["boiler_efficiency"] = (
         qoi["combustion_efficiency"] - qoi["loss_flue_gas"] - qoi["loss_solids"]
@@ -108,24 +108,18 @@ def emission(x: float, x_oxygen: float, molar_mass: float) -> float:
     return 1e6 * x * diluted * molar_mass / MOLAR_VOLUME
 
 
-def flue_gas_heat(
-    problem: Any, chemistry: Chemistry, state: Any, streams: Streams
-) -> float:
+def flue_gas_heat(problem: Any, chemistry: Chemistry, streams: Streams) -> float:
     """Return the heat above 298.15 K of the gas that leaves less that of the gas that
     enters, with the evaporation of the moisture of the fuel [W].
     """
-    gases, outlet = chemistry.part.gases, streams.T
-    if problem.above is not None:  # a freeboard is upside down
-        T = problem.at(lambda u, o: u.T_freeboard, problem.bottom, state)
-        outlet = dict.fromkeys(streams.leaving, T)
+    gases = chemistry.part.gases
 
     def heat(flows: Mapping[str, float], T: float) -> float:
         return sum(n * _above(gases[name], T) for name, n in flows.items())
 
-    total = sum(
-        heat(flows, outlet[phase]) - heat(streams.entering[phase], problem.c.inlet)
-        for phase, flows in streams.leaving.items()
-    )
+    leaving = sum(heat(flows, streams.T[k]) for k, flows in streams.leaving.items())
+    inlet = problem.c.inlet
+    total = leaving - sum(heat(flows, inlet) for flows in streams.entering.values())
     species = thermo.table()
     steam, water = (species[name].enthalpy(T_STANDARD) for name in ("H2O", "H2O(l)"))
     return total + streams.fed.get("moisture", 0.0) * float(steam - water)

@@ -92,6 +92,11 @@ class OfGases:
         return (self.name,)
 
     @property
+    def in_gas(self) -> bool:
+        """Whether it runs in the gas, and not in particles."""
+        return self.place is None
+
+    @property
     def needs(self) -> set[str]:
         """Gases without which it does not run."""
         moles = self.reaction.stoichiometry
@@ -153,6 +158,7 @@ class OfGases:
 class Release:
     """Release of first order of a constituent as gas; `yields` [mol] per unit of it."""
 
+    in_gas = False
     name: str
     species: str
     constituent: str
@@ -182,6 +188,7 @@ class Char:
     reaction.
     """
 
+    in_gas = False
     species: str
     diameter: float
     density: float
@@ -295,6 +302,7 @@ class Char:
 class Lime:
     """Calcination towards equilibrium, uptake of SO2 by lime, and its release by CO."""
 
+    in_gas = False
     species: str
     diameter: float
     density: float  # of limestone

@@ -4,7 +4,7 @@ efficiencies, ranges of rate laws.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -39,16 +39,22 @@ def profiles(chemistry: Chemistry, values: dict[str, Any]) -> dict[str, Any]:
     """Return the mole fractions of both phases and the inventory of each solid."""
     part, out = chemistry.part, dict[str, Any]()
     for phase in part.phases:
-        total = sum(values[f"N_{name}_{phase}"] for name in part.gases)
-        for name in part.gases:
-            out[f"x_{name}_{phase} [1]"] = (
-                without_rounding(values[f"N_{name}_{phase}"], total) / total
-            )
+        out |= mole_fractions(part, values, phase)
     for name in part.solids:
         out[f"{name} [{'kg' if name == 'volatiles' else 'mol'}/m]"] = values[
             f"n_{name}"
         ]
     return out
+
+
+def mole_fractions(part: Any, values: dict[str, Any], phase: str) -> dict[str, Any]:
+    """Return the mole fractions of a phase by header."""
+    flows = {name: values[f"N_{name}_{phase}"] for name in part.gases}
+    total = sum(flows.values())
+    return {
+        f"x_{name}_{phase} [1]": without_rounding(flow, total) / total
+        for name, flow in flows.items()
+    }
 
 
 def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None:
@@ -231,7 +237,9 @@ def without_rounding(amounts: Any, total: Any) -> Any:
     return np.where(np.abs(amounts) <= ROUNDING * np.abs(total), 0.0, amounts)
 
 
-def _below_zero(part: Any, profiles: Mapping[str, Any], plan: Any) -> str | None:
+def _below_zero(
+    gases: Iterable[str], phases: Iterable[str], profiles: Mapping[str, Any], plan: Any
+) -> str | None:
     """Return the warning about the least mole fraction; None where it is within the
     error of automatic meshes.
     """
@@ -242,15 +250,16 @@ def _below_zero(part: Any, profiles: Mapping[str, Any], plan: Any) -> str | None
         advice = f"give mesh.cells, more than the {chosen} that are chosen"
     columns = {
         (name, phase): profiles[f"x_{name}_{phase} [1]"]
-        for phase in part.phases
-        for name in part.gases
+        for phase in phases
+        for name in gases
     }
-    (name, phase), x = min(columns.items(), key=lambda item: item[1].min())
-    if not x.min() < -tolerance:
+    # a phase of the bed has none above it
+    (name, phase), x = min(columns.items(), key=lambda item: np.nanmin(item[1]))
+    if not np.nanmin(x) < -tolerance:
         return None
-    z = profiles["z [m]"][x.argmin()]
+    z = profiles["z [m]"][np.nanargmin(x)]
     return (
-        f"{name} in the {phase} falls to a mole fraction of {x.min():.2g} at z = "
+        f"{name} in the {phase} falls to a mole fraction of {np.nanmin(x):.2g} at z = "
         f"{z:.3g} m, further below zero than "
         f"solver.tolerance = {tolerance:g}: {advice}"
     )
@@ -269,7 +278,8 @@ def _warnings(
             f"reactions.{name} does not run: a gas that it needs neither enters nor is "
             "made"
         )
-    below = _below_zero(part, result.profiles, problem.plan)
+    phases = part.phases if problem.above is None else (*part.phases, "freeboard")
+    below = _below_zero(part.gases, phases, result.profiles, problem.plan)
     if below is not None:
         result.warnings.append(below)
     if scene.fuel is not None:
@@ -285,7 +295,7 @@ def _warnings(
         result.warnings += _beside_declared(scene, volume / solids)
     for name, where, law in cr.used_laws(chemistry.reactions):
         fields = (
-            [f"T_{phase}" for phase in part.phases]
+            [f"T_{phase}" for phase in phases]
             if where == "gas"
             else [f"T_{where}"]
         )

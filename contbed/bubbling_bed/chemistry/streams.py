@@ -14,9 +14,9 @@ from contbed.bubbling_bed.chemistry.problem import Chemistry
 class Streams:
     """Flows through both ends of a bed [mol/s]; of volatiles [kg/s].
 
-    entering, leaving : of each gas by phase
+    entering, leaving : of each gas by phase; what leaves a freeboard is one phase
     fed, drained : of each solid
-    T : of each phase at the top, and of each solid phase where it is drained [K]
+    T : of each phase that leaves, and of each solid phase where it is drained [K]
     """
 
     entering: dict[str, dict[str, float]]
@@ -42,15 +42,19 @@ def streams_of(problem: Any, chemistry: Chemistry, state: Any) -> Streams:
         )
         return part.as_entering(flow)
 
-    places = dict.fromkeys(part.phases, problem.top)
+    # a freeboard is upside down
+    outlets = (
+        dict.fromkeys(part.phases, problem.top)
+        if problem.above is None
+        else {"freeboard": problem.bottom}
+    )
+    places = dict(outlets)
     places |= {solid.species: end for solid in part.solids.values()}
     return Streams(
         {phase: entering(phase) for phase in part.phases},
         {
-            phase: {
-                name: value(f"N_{name}_{phase}", problem.top) for name in part.gases
-            }
-            for phase in part.phases
+            phase: {name: value(f"N_{name}_{phase}", outlet) for name in part.gases}
+            for phase, outlet in outlets.items()
         },
         {
             name: problem.total(lambda u, o, s=solid: s.fed(o.x[0]), state)
@@ -75,12 +79,10 @@ def carried(
 
     out = {}
     for phase in part.phases:
-        taken = heat(streams.leaving[phase], streams.T[phase])
-        # the freeboard takes it further
-        out[f"T_{phase}"] = (
-            heat(streams.entering[phase], problem.c.inlet),
-            taken if problem.above is None else 0.0,
-        )
+        taken = 0.0  # a freeboard takes it further
+        if problem.above is None:
+            taken = heat(streams.leaving[phase], streams.T[phase])
+        out[f"T_{phase}"] = heat(streams.entering[phase], problem.c.inlet), taken
     for name, solid in part.solids.items():
         brought = streams.fed.get(name, 0.0) * solid.enthalpy(solid.feed_temperature)
         taken = streams.drained[name] * solid.enthalpy(streams.T[solid.species])

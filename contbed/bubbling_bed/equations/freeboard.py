@@ -1,17 +1,20 @@
-"""Freeboard of a bubbling bed: gas, particles thrown up and falling back, radiation,
-walls; a `Part` of the bed.
+"""Freeboard of a bubbling bed: gas that reacts, particles thrown up and falling back,
+radiation, walls; a `Part` of the bed.
 
+    N_i,y                  = S_i                                                                    gas i
     (m h)_y                = A sum_d a_d h_gp (T_d - T_f) + sum_x p_x h_x (T_x - T_f)               gas
     F_y                    = -a (F - F_inf),  F(0) = F_0                                            particles upward
     A F c T_u,y            = A [a_u h_gp (T_f - T_u) + K_u (G - 4 E_u)]
     -A (F - F_out) c T_d,y = A F_y (h_d - h_u) + A [a_d h_gp (T_f - T_d) + K_d (G - 4 E_d)]         and downward
     -(A D G_y)_y           = A sum_d K_d (4 E_d - G) + sum_x p_x (eps_x/4) (4 E_x - G)
 
-    y = 0:  m h = W_e h_e + W_b h_b,  h_u = mean of the bed's particles,  G and A D G_y those of the bed
+    y = 0:  N_i = N_ie + N_ib,  m h = W_e h_e + W_b h_b,  h_u = mean of the bed's particles,  G and A D G_y those of the bed
     y = L:  h_d = h_u,  F_out = F,  A D G_y = A (4 E_top - G)/2
 
 y        height above the surface of the bed [m]      L        height of the freeboard [m]
-m        mass flow of the gas [kg/s]                  h        enthalpy [J/kg], h_u at T_u, h_d at T_d
+N        mole flow of a gas [mol/s]                   S        made by reactions of gases [mol/s/m]
+m        mass flow of the gas [kg/s]                  h        enthalpy [J/kg], h_u at T_u, h_d at T_d; of the gas
+                                                               with heats of formation where it reacts
 F, F_inf flow of particles upward, and far up [kg/m2/s]; F - F_out fall back into the bed      a    decay [1/m]
 a_d      surface of particles per volume [1/m], that of f = F/(rho u_gas) of the volume;  K_d = eps a_d / 4
 h_gp     particle-gas coefficient [W/m2/K]            x        walls, tubes
@@ -34,12 +37,14 @@ Good values: L 1-10 m, F_0 1-100 kg/m2/s, a 1-10 1/m.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from contbed.bubbling_bed.equations.coefficients import Part, Surface
+from contbed.bubbling_bed.equations.species import loss
 from contbed.chemistry.sums import Sums
+from contbed.chemistry.thermo import Thermo
 from contbed.closures.optics import SIGMA, marshak
 from contbed.fem.stabilisation import tau
 from contbed.radiation.equations import p1 as radiation
@@ -54,6 +59,11 @@ JOINED = 1e8
 # micrometres, below which T_down there follows the rounding
 LEAST = 1e-7
 TEMPERATURES = ("T_freeboard", "T_up", "T_down")
+
+
+def flow_of(name: str) -> str:
+    """Return the unknown mole flow of a gas in the freeboard."""
+    return f"N_{name}_freeboard"
 
 
 @dataclass
@@ -97,12 +107,15 @@ class Freeboard(Part):
     above: float | None
     heat: float  # what makes a flow of particles compare with heat [J m2/kg]
     degree: int
-    scalars: tuple[str, ...] = ("carryover",)
+    gases: Mapping[str, Thermo]  # none where nothing reacts
+    made: Callable[[Any], Mapping[str, Any]]  # S by gas, function of the unknowns
+    scalars = ("carryover",)
 
     @property
     def fields(self) -> tuple[str, ...]:
         """Unknowns along the height."""
-        return (*TEMPERATURES, "flow_up", *(("G_freeboard",) if self.radiates else ()))
+        radiation = ("G_freeboard",) if self.radiates else ()
+        return (*TEMPERATURES, "flow_up", *radiation, *map(flow_of, self.gases))
 
     @property
     def stretch(self) -> float:
@@ -123,6 +136,8 @@ class Freeboard(Part):
             (getattr(u, name) * getattr(tests, name) for name in TEMPERATURES),
             start=0.0,
         )
+        for name in map(flow_of, self.gases):
+            heat = heat + 1e-3 * MOLES * getattr(u, name) * getattr(tests, name)
         return 1e3 * heat + self.heat * u.flow_up * tests.flow_up
 
     def capacity(self, T: Any) -> Any:
@@ -180,6 +195,8 @@ class Freeboard(Part):
         )
         capacity = here.flow * here.heat_capacity(T)
         strong = capacity * o.grad(T)[0] + r * gain["T_freeboard"]
+        for name, gas in self.gases.items():
+            strong = strong + gas.enthalpy(T) * o.grad(getattr(u, flow_of(name)))[0]
         total = total + self._upwind(strong, capacity, rate * (up + down), v, o)
         for name, flow, sense in (("T_up", up, 1.0), ("T_down", down, -1.0)):
             T, v, gained = getattr(u, name), getattr(tests, name), r * gain[name]
@@ -199,6 +216,7 @@ class Freeboard(Part):
         total = total - self.heat * (o.grad(up)[0] + r * turned) * (
             v - 0.5 * o.h * o.grad(v)[0]
         )
+        total = total + self._species(u, tests, o)
         if not self.radiates:
             return total
         G, w = u.G_freeboard, tests.G_freeboard
@@ -216,6 +234,20 @@ class Freeboard(Part):
             + A * self.diffusion / (r * extinction) * o.grad(G)[0] * o.grad(w)[0]
             + r * taken * w
         )
+
+    def _species(self, u: Any, tests: Any, o: Any) -> Any:
+        """Return the weak form of the balances of gases."""
+        if not self.gases:
+            return 0.0
+        total, made = 0.0, self.made(u)
+        amount = sum(getattr(u, flow_of(name)) for name in self.gases)
+        for name in self.gases:
+            N, v = getattr(u, flow_of(name)), getattr(tests, flow_of(name))
+            source, slope = self.stretch * made[name], o.grad(v)[0]
+            stable = tau(1.0, 0.0, loss(source, amount), 1.0, o.h, self.degree)
+            strong = o.grad(N)[0] + source
+            total = total + MOLES * ((N + stable * strong) * slope - source * v)
+        return total
 
     def _upwind(self, strong: Any, capacity: Any, coupling: Any, v: Any, o: Any) -> Any:
         """Return the SUPG term for the residual r (gain - (carried)_y), which is
@@ -258,17 +290,11 @@ class Freeboard(Part):
             * tests.T_up
         )
         total = total + self.heat * (u.flow_up - self.ejected(local)) * tests.flow_up
-        for name in self.scalars:
-            if name.startswith("out_"):
-                leaving = sum(
-                    getattr(
-                        u, f"N_{name.removeprefix('out_')}_{gas.removeprefix('T_')}"
-                    )
-                    for gas in c.gases
-                )
-                total = total + MOLES * (getattr(u, name) - leaving) * getattr(
-                    tests, name
-                )
+        for name in self.gases:
+            rising = sum(
+                getattr(u, f"N_{name}_{gas.removeprefix('T_')}") for gas in c.gases
+            )
+            total = total - MOLES * rising * getattr(tests, flow_of(name))
         for name, share in self.shares.items():
             lost = self.enthalpy(name, getattr(u, f"T_{name}")) - self.enthalpy(
                 name, u.T_down
@@ -287,6 +313,8 @@ class Freeboard(Part):
         here = self.local_coefficients(u, o)
         total = here.flow * here.enthalpy(u.T_freeboard) * tests.T_freeboard
         total = total + self.heat * (u.carryover - u.flow_up) * tests.carryover
+        for name in map(flow_of, self.gases):
+            total = total + MOLES * getattr(u, name) * getattr(tests, name)
         return (
             total + self.exit_radiation(u) * tests.G_freeboard
             if self.radiates

@@ -232,6 +232,7 @@ class Species(Part):
         volume = {
             "emulsion": self.section * (1.0 - delta) * self.voidage,
             "bubble": self.section * delta,
+            "freeboard": self.section,
         }
         solid = {name: getattr(u, f"n_{name}") for name in self.solids}
         return State(T, x, w, M, volume, self.pressure, solid, local)
@@ -304,7 +305,7 @@ class Species(Part):
                 N = getattr(u, f"N_{name}_{phase}")
                 v = getattr(tests, f"N_{name}_{phase}")
                 made, slope = sources.gas[phase][name], o.grad(v)[0]
-                stable = tau(1.0, 0.0, self._loss(made, amount), 1.0, o.h, self.degree)
+                stable = tau(1.0, 0.0, loss(made, amount), 1.0, o.h, self.degree)
                 strong = o.grad(N)[0] - made
                 total = total + HEAT * ((stable * strong - N) * slope - made * v)
         for name, solid in self.solids.items():
@@ -343,16 +344,6 @@ class Species(Part):
                 tests, f"n_{name}"
             )
         return held
-
-    @staticmethod
-    def _loss(made: Any, amount: Any) -> Any:
-        """Return how fast a source can change a flow [1/m]; for the stabilisation
-        only.
-        """
-        value = np.abs(getattr(made, "value", made))
-        return value / np.maximum(
-            0.1 * np.abs(getattr(amount, "value", amount)), 1e-300
-        )
 
     def bottom(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
         """Return the weak form at the distributor: the gas that enters, and solids
@@ -413,3 +404,9 @@ class Species(Part):
                 + leaving * solid.enthalpy(getattr(u, f"T_{solid.species}")) * test
             )
         return total
+
+
+def loss(made: Any, amount: Any) -> Any:
+    """Return how fast a source can change a flow [1/m]; for the stabilisation only."""
+    value = np.abs(getattr(made, "value", made))
+    return value / np.maximum(0.1 * np.abs(getattr(amount, "value", amount)), 1e-300)
