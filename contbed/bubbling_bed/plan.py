@@ -244,9 +244,7 @@ def _narrow_feeds(
     return found
 
 
-def _flame(
-    scene: b.BubblingScene, c: model.Coefficients
-) -> list[tuple[float, float]]:
+def _flame(scene: b.BubblingScene, c: model.Coefficients) -> list[tuple[float, float]]:
     """Return position and width [m] of the layer above the surface in which gases
     burn, on the mesh of the bed.
     """

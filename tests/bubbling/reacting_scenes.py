@@ -101,7 +101,7 @@ def combustor(stone=False, **changes):
     return from_dict(tables(stone, **changes))
 
 
-def tube(composition, reactions, **changes):
+def tube(composition, reactions, freeboard=None, **changes):
     """Gas alone through a bed without bubbles that its walls hold at 1200 K."""
     found = scene_of(
         f"""
@@ -140,6 +140,8 @@ def tube(composition, reactions, **changes):
             "solids.inert": particles(1.0, 2e-3, 2600.0, gas_coefficient=1e4),
         },
     )
+    if freeboard is not None:
+        found["bubbling_bed"]["freeboard"] = freeboard
     return from_dict(changed(found, changes))
 
 

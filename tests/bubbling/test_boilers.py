@@ -10,6 +10,7 @@ from contbed.bubbling_bed.chemistry.results import _fuel
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.loading import from_dict
+from tests.balances import assert_closed
 from tests.scene_text import set_keys
 
 
@@ -76,3 +77,15 @@ def test_a_gasifier_without_oxygen_has_no_efficiency_of_combustion():
     _fuel(chemistry, {}, unburnt, {}, qoi)
     assert qoi["oxygen_ratio"] == 0.0
     assert not {"combustion_efficiency", "ignited"} & qoi.keys()
+
+
+def test_gases_burn_out_in_a_freeboard():
+    """Heat and elements close, and what burns above the bed counts."""
+    scene = tables(initial={"temperature": 1150.0})
+    alone = cb.run(from_dict(scene))
+    set_keys(scene, "bubbling_bed.freeboard.height = 3.0")
+    above = cb.run(from_dict(scene))
+    assert_closed(above, 1e-9)
+    unburnt = [each.qoi["cold_gas_efficiency"] for each in (alone, above)]
+    assert unburnt[1] < 0.05 * unburnt[0]
+    assert above.qoi["emission_CO_mg_m3"] < 0.1 * alone.qoi["emission_CO_mg_m3"]

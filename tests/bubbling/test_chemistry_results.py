@@ -2,8 +2,6 @@
 amounts that are rounding.
 """
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from reacting_scenes import combustor, tube
@@ -48,9 +46,12 @@ def test_another_share_of_char_than_declared_is_a_warning():
 )
 def test_advice_about_a_fraction_below_zero_names_the_mesh_of_the_scene(mesh, advice):
     plan = cb.plan(combustor(mesh=mesh))
-    gas = SimpleNamespace(phases=["bubble"], gases=["H2"])
-    profiles = {"x_H2_bubble [1]": np.array([0.0, -1e-3]), "z [m]": np.array([0, 0.3])}
-    assert advice in _below_zero(gas, profiles, plan)
+    # none above the bed
+    x, z = np.array([0.0, -1e-3, np.nan]), np.array([0.0, 0.3, 1.0])
+    profiles = {"x_H2_bubble [1]": x, "z [m]": z}
+    text = _below_zero(["H2"], ["bubble"], profiles, plan)
+    assert advice in text
+    assert "-0.001 at z = 0.3 m" in text
 
 
 def test_a_law_out_of_its_range_is_a_warning_and_fractions_have_no_unit():

@@ -22,8 +22,18 @@ def left(rate_per_volume_of_bed):
     return np.exp(-rate_per_volume_of_bed * 0.05 / flow)
 
 
-def solved(reactions, composition=MIXTURE):
-    result = cb.run(tube(composition, reactions))
+# 0.1 m3 that walls hold at the temperature of the bed
+ABOVE = {
+    "height": 1.0,
+    "ejection": 1e-6,
+    "decay": 3.0,
+    "elutriation": 0.0,
+    "walls": {"perimeter": 1.0, "coefficient": 1e3, "temperature": T},
+}
+
+
+def solved(reactions, composition=MIXTURE, freeboard=None):
+    result = cb.run(tube(composition, reactions, freeboard))
     assert result.status == "ok", result.warnings
     for name, balance in result.balances.items():
         assert balance["relative_residual"] < 1e-9, name
@@ -36,6 +46,20 @@ def test_an_equation_with_constants():
     assert share == approx(left(0.05 * 0.45), rel=1e-3)
     formula = {"equation": SHIFT["equation"], "rate": "0.05*c_CO"}
     assert solved({"shift": formula})["x_CO_wet"] == approx(q["x_CO_wet"], rel=1e-9)
+
+
+def test_gases_react_above_the_bed():
+    """In twice the volume of the bed, without particles there."""
+    q = solved({"shift": SHIFT}, freeboard=ABOVE)
+    share = q["x_CO_wet"] / (q["x_CO_wet"] + q["x_CO2_wet"])
+    assert share == approx(left(0.05 * (0.45 + 2.0)), rel=1e-3)
+
+
+def test_particles_do_not_react_above_the_bed():
+    of_particles = {"shift": SHIFT | {"basis": "catalyst", "A": 2.0e-5}}
+    alone = solved(of_particles)
+    below = solved(of_particles, freeboard=ABOVE)
+    assert below["x_CO_wet"] == approx(alone["x_CO_wet"], rel=1e-6)
 
 
 def test_a_rate_per_mass_of_particles():

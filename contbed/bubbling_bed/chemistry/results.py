@@ -295,9 +295,7 @@ def _warnings(
         result.warnings += _beside_declared(scene, volume / solids)
     for name, where, law in cr.used_laws(chemistry.reactions):
         fields = (
-            [f"T_{phase}" for phase in phases]
-            if where == "gas"
-            else [f"T_{where}"]
+            [f"T_{phase}" for phase in phases] if where == "gas" else [f"T_{where}"]
         )
         T = np.concatenate([problem.system.part(state, field) for field in fields])
         outside = share_outside(T, law.T_range)
