@@ -18,6 +18,7 @@ import numpy as np
 
 from contbed.bubbling_bed import scene as b
 from contbed.bubbling_bed.problem import RECORDED_FROM, TYPICAL, BubblingProblem
+from contbed.bubbling_bed.settling import height_of
 from contbed.errors import SceneError
 from contbed.fem.ad.batched import RecordedForms
 from contbed.fem.ad.graph import Graph
@@ -31,6 +32,8 @@ from contbed.solvers.tangent import STEP
 NEARBY = 1.01  # factor to another value at which recorded forms have to be right
 # share of the terms of a balance that rounding of recorded residuals stays far below
 ALIKE = 1e-10
+# relative change of the height of the bed along a branch from which it warns
+OTHER_HEIGHT = 0.02
 
 
 class Family:
@@ -120,7 +123,28 @@ def follow(problem: BubblingProblem, state: Any, result: Result) -> Branch:
     result.tables["continuation"] = branch.columns(
         table.header(problem.plan.scene), lambda p, x: row(family.at(p), x)
     )
+    if problem.plan.scene.bubbling_bed.settled_height is not None:
+        result.warnings += _other_heights(family, branch)
     return branch
+
+
+def _other_heights(family: Family, branch: Branch) -> list[str]:
+    """Warn where the particles would settle at another height than at the start, which
+    the branch keeps.
+    """
+    kept = family.problem.plan.scene.bubbling_bed.height
+    found = {}
+    for p, x, _ in branch.points():
+        problem = family.at(p)
+        found[p] = height_of(problem, problem._state(x))
+    worst = max(found, key=lambda p: abs(found[p] / kept - 1.0))
+    if abs(found[worst] / kept - 1.0) < OTHER_HEIGHT:
+        return []
+    return [
+        f"the branch keeps the height of the bed of the scene, {kept:.3g} m, though by "
+        f"the bubbles at {family.key} = {worst:.6g} the same particles fill "
+        f"{found[worst]:.3g} m: run the scene with that value for the state there"
+    ]
 
 
 def distance(

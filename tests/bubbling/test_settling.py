@@ -186,3 +186,20 @@ def test_a_bed_of_igniting_bubbles_that_expands_far_is_followed_in_height(monkey
     gas = 7.68 * 50.9 + 10.24 * 39.8 + 4.58 * 33.6 + 65.37 * 31.8
     tubes = 6.0 * 280.0 * np.trapezoid(T - 573.15, z)
     assert tubes + gas * (T.mean() - 293.15) == approx(heat, rel=0.03)
+
+
+def test_a_branch_warns_of_a_height_that_it_keeps():
+    """Twice the gas: the bubbles of the last state fill what the warning says."""
+    bed = {"settled_height": 0.4, "section": 1.0, "solids_fraction": 0.5}
+    key = "boundary.bottom.gas.mass_flow"
+    scene = hot(bubbling_bed=bed, mesh={"cells": 24})
+    start = scene.gas_flow
+    way = {"parameter": key, "to": 2.0 * start}
+    result = cb.run(hot(bubbling_bed=bed, mesh={"cells": 24}, continuation=way))
+    (text,) = [each for each in result.warnings if "the branch keeps" in each]
+    assert f"{result.qoi['bed_height_m']:.3g} m" in text
+    assert f"{key} = {2.0 * start:.6g}" in text
+    short = hot(
+        bubbling_bed=bed, mesh={"cells": 24}, continuation=way | {"to": 1.01 * start}
+    )
+    assert not any("the branch keeps" in each for each in cb.run(short).warnings)
