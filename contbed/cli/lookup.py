@@ -96,16 +96,21 @@ def explain(
         ),
     ],
 ) -> None:
-    """Show the data sheet of a name.
+    """Show the data sheet of a name, or of each of several.
 
     A name of a closure, model, table, key, result, reaction, material, term or command.
     """
+    from contbed.errors import SceneError
     from contbed.explain import sheets
     from contbed.scene.names import first_paragraph
 
     commands = getattr(context.find_root().command, "commands", {})
     about = {key: first_paragraph(command.help) for key, command in commands.items()}
-    print(sheets.explain(" ".join(name), about))
+    try:
+        print(sheets.explain(" ".join(name), about))
+    except SceneError:
+        # several names, if no name is made of these words
+        print("\n".join(sheets.explain(each, about) for each in name))
 
 
 def closures(

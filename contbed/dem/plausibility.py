@@ -33,10 +33,12 @@ def judge(
             outside.append(f"{k:.4g} at {ratio:.4g} ({low:.4g} to {high:.4g})")
     if not outside:
         return []
-    others = [f'"{name}"' for name in get_args(Paths) if name not in ("cones", paths)]
-    advice = f"try {' or '.join(others)}"
-    if not equal:
-        advice += ", which need equal spheres: they show by how much"
+    advice = "a correlation such as conductivity_zehner_schluender holds there"
+    if paths == "cones":
+        others = [f'"{name}"' for name in get_args(Paths) if name != paths]
+        advice = f"try {' or '.join(others)}"
+        if not equal:
+            advice += ", which need equal spheres: they show by how much"
     return [
         "k_eff/k_fluid by conduction is outside of the Hashin-Shtrikman bounds of any "
         f"isotropic bed of this porosity: {', '.join(outside)} times k_fluid; "

@@ -252,6 +252,9 @@ def table(place: str, at: str | None) -> str:
     lines.append("")
     for choice in ranked(kind, known, spans):
         value = "" if choice.value is None else f"  = {choice.value:.5g}"
+        if value and kind == "minimum_fluidization" and {"nu", "d_p"} <= known.keys():
+            u_mf = choice.value * known["nu"] / known["d_p"]
+            value += f", u_mf = {u_mf:.5g} m/s"
         lines.append(f"{choice.name:42}{_verdict(choice, bool(given)):10}{value}")
         outside = [_with_range(choice.name, key, every) for key in choice.outside]
         if outside:

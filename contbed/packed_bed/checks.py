@@ -125,7 +125,8 @@ def one_solid_fills_the_bed(
         yield (
             ("solids",),
             f"a bed without species has one solid with a density; found {found}; "
-            "others only radiate",
+            "others only radiate. For a mixture of sizes give each a volume_share, and "
+            'gas.model = "cantera" or "ideal_gas"',
         )
         return
     name, solid = next(iter(filling.items()))

@@ -125,8 +125,8 @@ def _unknown_frequency(
         return [f"{where}: {text}"]
     if frequency * span < PERIODS:
         text = (
-            f"dominant_frequency = {frequency:.3g} Hz has only {frequency * span:.2g} "
-            f"periods in the averages; average over at least {PERIODS / frequency:.2g} s"
+            f"dominant_frequency = {frequency:.3g} Hz has only {frequency * span:.3g} "
+            f"periods in the averages; average over {1.01 * PERIODS / frequency:.3g} s"
         )
         return [f"{where}: {text}"]
     return []

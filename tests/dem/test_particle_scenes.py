@@ -163,6 +163,9 @@ def test_conduction_beyond_the_bounds_of_hashin_and_shtrikman_warns(more):
 def test_paths_of_equal_spheres_are_no_advice_for_unequal_ones():
     (warning,) = judge({8.8: 9.0}, 0.4, "cones", equal=False)
     assert warning.endswith("need equal spheres: they show by how much")
+    # no other path is nearer
+    (warning,) = judge({3.0: 9.0}, 0.4, "columns", equal=True)
+    assert warning.endswith("conductivity_zehner_schluender holds there")
 
 
 def test_lists_that_are_too_short_name_their_length():

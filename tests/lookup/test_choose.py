@@ -76,6 +76,20 @@ def test_a_fluidized_bed_spans_reynolds_numbers():
     assert fluidized({"d_p": 1e-3}) == {}
 
 
+def test_laws_of_minimum_fluidization_show_their_velocity():
+    """Re nu/d_p by Wen and Yu, Re = (33.7^2 + 0.0408 Ar)^0.5 - 33.7; the listing has
+    five digits of Re, and g of four.
+    """
+    text = table(
+        "closures.minimum_fluidization", "d_p=500 um, rho_s=2500, rho=1.2, mu=1.8e-5"
+    )
+    Ar = 500e-6**3 * 1.2 * (2500.0 - 1.2) * 9.80665 / 1.8e-5**2
+    u_mf = ((33.7**2 + 0.0408 * Ar) ** 0.5 - 33.7) * 1.5e-5 / 500e-6
+    (line,) = [each for each in text.split("\n") if "wen_yu" in each]
+    assert float(line.split()[-2]) == approx(u_mf, rel=1e-3)
+    assert line.endswith(" m/s")
+
+
 def test_particles_that_float_have_no_archimedes_number():
     known, _ = derived(conditions("d_p=300 um, rho_s=0.5, T=300"))
     assert "Ar" not in known and fluidized(known) == {}

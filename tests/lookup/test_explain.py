@@ -122,3 +122,14 @@ def test_all_ways_in_which_a_value_may_be_written_are_shown():
     }
     for key, shown in ways.items():
         assert shown in explain(key)
+
+
+def test_several_names_and_a_name_of_several_words(capsys):
+    assert command("explain nusselt_gunn bubble_rise") == 0
+    shown = capsys.readouterr().out
+    assert "Gunn (1978)" in shown
+    assert "absolute velocity, upward" in shown
+    assert command("explain rate laws") == 0
+    assert "CO_oxidation" in capsys.readouterr().out
+    assert command("explain gun nusselt_gunn") == 2
+    assert "nothing is called 'gun'" in capsys.readouterr().err
