@@ -139,6 +139,11 @@ def in_series(a: Any, b: Any) -> Any:
     return a * b / (a + b)
 
 
+# names of laws that bubbling beds have for fuel and limestone
+OF_BOILERS = {name for laws in CHAR_LAWS.values() for name in laws} | {
+    law.name for law in (CALCINATION, SULPHATION, SULPHATE_REDUCTION)
+}
+
 VOLUMES = {
     "O2": 16.3,
     "CO": 18.0,

@@ -88,7 +88,11 @@ def _surface_is_whole(
     path = ("reactions", name)
     missing = [key for key in OF_SURFACES if getattr(table, key) is None]
     for key in missing:
-        text = f"missing; a surface mechanism needs {', '.join(OF_SURFACES)}"
+        text = (
+            f"missing; a surface mechanism needs {', '.join(OF_SURFACES)}. Reactions in "
+            "the gas of a mechanism are not read: give each its table with equation, A, "
+            "b and E"
+        )
         yield (*path, key), text
     yield from _keys_are_read(name, table, SURFACE, "a surface mechanism")
     if table.basis not in (None, "particle", "bed"):

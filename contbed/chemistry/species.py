@@ -146,6 +146,11 @@ def _from_table(
             zero = Shomate(name, elements, mass, (*given[:FORMATION_SHOMATE], 0.0))
             F = (table.enthalpy - float(zero.enthalpy(T_STANDARD))) * 1e-3
             given[FORMATION_SHOMATE : FORMATION_SHOMATE + 1] = [F]
+        if table.entropy is not None:
+            zero = Shomate(name, elements, mass, (*given[: FORMATION_SHOMATE + 1], 0.0))
+            T = T_STANDARD
+            s = float(zero.enthalpy(T) - zero.gibbs(T)) / T
+            given[FORMATION_SHOMATE + 1 :] = [table.entropy - s]
         return Shomate(name, elements, mass, tuple(given[:7]))
     if table.heat_capacity is not None or (not needs_heat and table.enthalpy is None):
         cp = table.heat_capacity or INERT_CAPACITY

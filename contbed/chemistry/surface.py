@@ -316,7 +316,8 @@ def _read(file: str, name: str, changed: int) -> Surface:
 
     short = Path(file).name
     if name not in (known := _surfaces(file)):
-        raise SceneError(f"{short} has no surface {name!r}; {nearest(name, known)}")
+        others = nearest(name, known) if known else "it has none"
+        raise SceneError(f"{short} has no surface {name!r}; {others}")
     try:
         phase = cantera.Interface(file, name)
     except cantera.CanteraError as error:

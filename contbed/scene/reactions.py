@@ -53,7 +53,7 @@ class Substance(Table):
     enthalpy: MolarEnergy | None = None
     """of formation at 298.15 K, with heat_capacity or A to E"""
     entropy: MolarEntropy | None = None
-    """standard, at 298.15 K"""
+    """standard, at 298.15 K, with heat_capacity or A to E"""
     density: Density | None = None
     """of a solid without pores"""
     viscosity: (

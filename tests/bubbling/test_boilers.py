@@ -89,3 +89,11 @@ def test_gases_burn_out_in_a_freeboard():
     unburnt = [each.qoi["cold_gas_efficiency"] for each in (alone, above)]
     assert unburnt[1] < 0.05 * unburnt[0]
     assert above.qoi["emission_CO_mg_m3"] < 0.1 * alone.qoi["emission_CO_mg_m3"]
+
+
+def test_sulphur_that_nothing_burns_is_a_warning():
+    scene = tables(initial={"temperature": 1150.0})
+    said = "the sulphur of the fuel leaves as H2S"
+    assert not any(said in text for text in cb.run(from_dict(scene)).warnings)
+    del scene["reactions"]["H2S_oxidation"]
+    assert any(said in text for text in cb.run(from_dict(scene)).warnings)

@@ -4,10 +4,13 @@ that have none.
 
 import numpy as np
 import pytest
+from pytest import approx
 
 import contbed as cb
+from contbed.chemistry.species import solid_species
 from contbed.errors import SceneError
 from contbed.loading import loads
+from contbed.scene.reactions import Substance
 
 BED = """
 mesh = { type = "line", length = "2 cm", cells = 2 }
@@ -165,3 +168,15 @@ def test_a_core_without_a_gas_to_take_up_is_refused():
     calcined = calcined.replace('"CaO:1"', '"CaCO3:1"')
     with pytest.raises(SceneError, match="takes up no gas"):
         cb.run(loads(calcined))
+
+
+def test_enthalpy_and_entropy_beside_a_to_e_of_shomate():
+    """Those of FeO at 298.15 K stand for F and G (NIST webbook), to their digits."""
+    five = (45.75120, 18.78553, -5.952201, 0.852779, -0.081265)
+    seven = Substance(shomate=(*five, -286.7429, 110.3120))
+    stated = Substance(shomate=five, enthalpy=-272044.1, entropy=60.75)
+    full, found = (solid_species("FeO", each, True) for each in (seven, stated))
+    assert found.has_entropy
+    for T in (400.0, 1000.0):
+        assert found.gibbs(T) == approx(full.gibbs(T), abs=20.0)
+        assert found.enthalpy(T) == approx(full.enthalpy(T), abs=20.0)

@@ -96,6 +96,18 @@ def unburnt_fuel(
     ]
 
 
+def unburnt_sulphur(qoi: Mapping[str, Any], reactions: Any) -> list[str]:
+    """Return a warning where sulphur leaves as H2S beside oxygen, as nothing burns it."""
+    if reactions.of_gases.get("H2S_oxidation") is not None:
+        return []
+    if not 0.0 < qoi.get("x_H2S_wet", 0.0) < qoi.get("x_O2_wet", 0.0):
+        return []
+    return [
+        "the sulphur of the fuel leaves as H2S beside oxygen; add "
+        "[reactions.H2S_oxidation], which burns it to SO2"
+    ]
+
+
 def emission(x: float, x_oxygen: float, molar_mass: float) -> float:
     """Return milligrams of a gas per m3 of dry flue gas at 0 degC, 1 atm and 6 % of
     O2.

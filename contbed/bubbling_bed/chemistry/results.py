@@ -12,7 +12,11 @@ import numpy as np
 from contbed.balance import Balance
 from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
-from contbed.bubbling_bed.chemistry.of_boilers import boiler_findings, unburnt_fuel
+from contbed.bubbling_bed.chemistry.of_boilers import (
+    boiler_findings,
+    unburnt_fuel,
+    unburnt_sulphur,
+)
 from contbed.bubbling_bed.chemistry.problem import Chemistry
 from contbed.bubbling_bed.chemistry.streams import streams_of
 from contbed.chemistry.elements import ATOMIC_WEIGHTS
@@ -79,6 +83,7 @@ def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None
         lost = _fuel(chemistry, entering, leaving, drained, qoi)
         boiler_findings(problem, chemistry, state, streams, qoi)
         result.warnings += unburnt_fuel(lost, qoi, scene.reactions)
+        result.warnings += unburnt_sulphur(qoi, scene.reactions)
     held = {
         name: problem.total(lambda u, o, n=name: getattr(u, f"n_{n}"), state)
         for name in part.solids

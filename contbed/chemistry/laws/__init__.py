@@ -10,6 +10,7 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 
+from contbed.chemistry.char_and_lime import OF_BOILERS
 from contbed.chemistry.equation import Equation
 from contbed.chemistry.rate_formula import FORMULA
 from contbed.chemistry.rate_law import RateLaw
@@ -76,7 +77,10 @@ def law_of(reaction: str, table: Reaction) -> RateLaw:
     law = find_law(reaction, table)
     if law is None:
         known = nearest(str(table.law), known_laws(reaction))
-        raise SceneError(f"unknown rate law; {known}")
+        what = "unknown rate law"
+        if table.law in OF_BOILERS:
+            what = "a rate law of bubbling beds, which packed beds do not have"
+        raise SceneError(f"{what}; {known}")
     return law
 
 
