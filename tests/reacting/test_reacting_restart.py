@@ -245,6 +245,7 @@ def test_a_run_that_creeps_begins_again_with_one_value_a_cell(creeping, tmp_path
     by_hand = contbed.run(from_dict(flat))
     assert found.qoi == by_hand.qoi
     assert "began again with one value a cell" in found.warnings[-1]
+    assert "as axial dispersion by particles of" in found.warnings[-1]
     assert not any("began again" in text for text in by_hand.warnings)
     owner, name, _ = STOP
     interrupt(given, tmp_path / "a", owner, name, 40)
