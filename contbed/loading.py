@@ -173,13 +173,13 @@ def _in_other_models(kind: str, path: KeyPath) -> str:
     tables = MODELS[kind].scene.model_fields
     if len(path) != 1 or path[0] in tables:
         return ""
-    others = {
-        each.name for each in MODELS.values() if path[0] in each.scene.model_fields
-    }
-    if not others or MODELS[kind].name in others:
+    others = [
+        name for name, each in MODELS.items() if path[0] in each.scene.model_fields
+    ]
+    if not others:
         return ""
     return (
-        f"unknown table; {MODELS[kind].name} does not have it, but {', '.join(sorted(others))}; "
+        f"unknown table; {kind} does not have it, but {', '.join(sorted(others))}; "
         f"allowed: {', '.join(tables)}"
     )
 

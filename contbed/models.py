@@ -173,7 +173,7 @@ def _reacts(values: Mapping[str, Any]) -> bool:
         return True
     gas = _tables(values.get("gas"), values.get("fluid"))
     solids = _tables(values.get("solid"), *_items(values.get("solids")))
-    # a mixture of sizes, which heat alone does not tell apart
+    # particles of several sizes, of which the other packed bed has one
     if sum("volume_share" in each for each in solids) > 1:
         return True
     entering = _tables(

@@ -162,7 +162,7 @@ class Freeboard(Table):
     """What is above the bed: a radiosity, a black space, or a freeboard with a height.
 
     Gas, particles and radiation of a freeboard with a height are solved for, which
-    needs boundary.bottom.gas.mass_flow. Reactions of gases go on in it, in the mixture of
+    needs boundary.bottom.gas.mass_flow. Gases react in it, as a mixture of
     both gases of the bed; particles do not react there.
     """
 

@@ -25,7 +25,7 @@ ROUNDING = 0.01
 # of the particles, below which a closure out of its range is left to its table
 FEW_PARTICLES = 0.01
 PERCENTILES = (5, 50, 95)  # of the coefficients of single particles
-# resistance inside of particles over that of the gas around, from which a run warns
+# resistance of particles to heat over that of the gas around, from which a run warns
 LARGE_INSIDE = 0.05
 
 

@@ -124,8 +124,8 @@ def test_a_table_that_only_other_models_have_is_named_with_these():
     """`time` is no misspelt `title`."""
     steady = MODELS["bubbling_bed"].template.read_text()
     refused(
-        r"time: unknown table; bubbling_bed does not have it, but packed_bed, particles, "
-        r"single_particle, two_fluid; allowed: title",
+        r"time: unknown table; bubbling_bed does not have it, but packed_bed, "
+        r"particles_gas, reacting_bed, single_particle, two_fluid; allowed: ",
         loads,
         steady + "\n[time]\nend = 5.0\n",
     )
