@@ -18,7 +18,10 @@ from contbed.scene import schema
 from contbed.scene.checking import mistakes
 from contbed.scene.inputs import unusable_files
 from contbed.scene.names import near_names, nearest
-from contbed.scene.other_models import take_keys_of_others
+from contbed.scene.other_models import (
+    bottom_of_a_bubbling_bed,
+    take_keys_of_others,
+)
 from contbed.scene.physical import states_are_of_a_bed
 from contbed.scene.property_table import files_of, read_files
 from contbed.scene.refusals import line, own, translate
@@ -276,6 +279,7 @@ def _validate(
     ):
         others = _schemas_of_others(model)
         ignored = tuple(take_keys_of_others(current, schema.of(model), others))
+        ignored += bottom_of_a_bubbling_bed(current, ignored)
     former = take_former_keys(current, renamed(model.kind))
     if ignored or former:
         scene, errors = _checked(model, current, folder)

@@ -28,6 +28,7 @@ from contbed.reacting_bed.problem import Problem
 T_NORMAL, P_NORMAL = 273.15, 101325.0  # [K], [Pa] of volumes in space velocities
 HOUR = 3600.0
 TRACE = 1e-3  # share of all that is made below which a gas is no product
+SAME = 1e-10  # change of a gas over what is fed, below which it is rounding
 CLOSED = 1e-6  # relative difference of atoms made and used up in the gas
 STEPS = 50  # of Newton's method to an equilibrium temperature
 RANGE = (100.0, 6000.0)  # [K] of equilibrium temperatures
@@ -42,6 +43,8 @@ def made_and_used(
     """
     fed = {name: abs(n) for name, n in problem.streams.gas.items()}
     made = {name: leaving[name] - n for name, n in fed.items()}
+    # what leaves as it enters is not used up
+    made = {name: n if abs(n) > SAME * fed[name] else 0.0 for name, n in made.items()}
     least = TRACE * sum(max(n, 0.0) for n in made.values())
     products = [name for name, n in made.items() if n > least]
     length = problem.scene.mesh.length

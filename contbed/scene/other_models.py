@@ -38,6 +38,24 @@ def take_keys_of_others(
     return found
 
 
+def bottom_of_a_bubbling_bed(
+    values: dict[str, Any], ignored: Sequence[KeyPath]
+) -> tuple[KeyPath, ...]:
+    """Remove [boundary.bottom] of a bubbling bed, of which a file speaks as well, from
+    the values of a scene on a line, which has no such end; return its path.
+    """
+    mesh, boundary = values.get("mesh"), values.get("boundary")
+    if (
+        ("bubbling_bed",) not in ignored
+        or not isinstance(mesh, dict)
+        or mesh.get("type") != "line"
+        or not isinstance(boundary, dict)
+        or boundary.pop("bottom", None) is None
+    ):
+        return ()
+    return (("boundary", "bottom"),)
+
+
 def _foreign(
     values: Mapping[str, Any],
     own: schema.Node,

@@ -3,6 +3,7 @@ beds against closed forms and hand calculations.
 """
 
 from copy import deepcopy
+from types import SimpleNamespace
 
 import numpy as np
 from pytest import approx
@@ -11,7 +12,7 @@ from solving import solved
 
 from contbed.chemistry.thermo import Equilibrium
 from contbed.loading import loads
-from contbed.reacting_bed.of_reactors import temperature_of
+from contbed.reacting_bed.of_reactors import made_and_used, temperature_of
 from contbed.runner import run
 from tests.scene_text import set_keys
 
@@ -41,6 +42,22 @@ def parallel(k_methane, k_shift):
         reaction |= {"E": 0.0, "orders": {"CO": 1.0}}
     set_keys(scene, "solids.particles.density = 1500.0")
     return scene
+
+
+def test_an_inert_gas_is_not_used_up_by_rounding():
+    """CO becomes CO2 beside much methane, which leaves less by 1e-14 of what enters."""
+    fed = {"CO": 1.0, "H2O": 5.0, "CO2": 0.0, "H2": 0.0, "CH4": 50.0}
+    leaving = {"CO": 0.4, "H2O": 4.4, "CO2": 0.6, "H2": 0.6, "CH4": 50.0 - 5e-13}
+    atoms = {name: table["elements"] for name, table in GASES.items()}
+    gases = {name: SimpleNamespace(composition=atoms[name]) for name in fed}
+    problem = SimpleNamespace(
+        streams=SimpleNamespace(gas=fed),
+        species=SimpleNamespace(gases=gases),
+        scene=SimpleNamespace(mesh=SimpleNamespace(length=1.0)),
+    )
+    found = made_and_used(problem, leaving)
+    assert found["yield_CO2_C"] == approx(0.6, rel=1e-12)
+    assert found["yield_H2_H"] == approx(0.6 * 2.0 / 10.0, rel=1e-12)
 
 
 def test_parallel_reactions_of_first_order():

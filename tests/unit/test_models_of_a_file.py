@@ -129,3 +129,14 @@ def test_a_table_that_only_other_models_have_is_named_with_these():
         loads,
         steady + "\n[time]\nend = 5.0\n",
     )
+
+
+def test_the_bottom_of_a_bubbling_bed_is_no_mistake_on_a_line():
+    """One file for both: a line has left and right."""
+    both = (
+        f'model = "packed_bed"\n{STEADY}'
+        "[bubbling_bed]\nheight = 1.0\n[boundary.bottom]\ngas.mass_flow = 0.1\n"
+    )
+    assert ("boundary", "bottom") in loads(both).ignored
+    alone = both.replace("[bubbling_bed]\nheight = 1.0\n", "")
+    refused("boundary.bottom: a", loads, alone)
