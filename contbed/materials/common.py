@@ -64,6 +64,11 @@ def extrapolation(
         f"{name}: data from {low:g} to {high:g} K are extrapolated to {end:.6g} K, where "
         f"the heat capacity differs by {abs(change):.2%} from that at {edge:g} K"
     )
+    if change == 0.0:
+        text = (
+            f"{name}: data from {low:g} to {high:g} K are used at {end:.6g} K with the "
+            f"values at {edge:g} K"
+        )
     far = abs(end - edge) > FAR
     return text + (f"; more than {FAR:g} K away they are not reliable" if far else "")
 

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from contbed.errors import SceneError
 from contbed.materials import real_fluid
+from contbed.materials.common import extrapolation
 from tests.cases import each_case
 from tests.refusals import refused
 
@@ -89,6 +90,14 @@ def test_outside_the_range_values_stay_and_are_counted(case):
         rtol=1e-9,
     )
     assert fluid.share_outside(np.array([lo - 1.0, lo, hi, hi + 1.0])) == 0.5
+
+
+def test_values_outside_of_the_range_are_no_extrapolation():
+    fluid = real_fluid("Nitrogen", 1e5, (300.0, 400.0))
+    text = extrapolation("gas", fluid.heat_capacity, fluid.T_range, np.array([450.0]))
+    assert (
+        text == "gas: data from 300 to 400 K are used at 450 K with the values at 400 K"
+    )
 
 
 def test_shapes_and_pickling():
