@@ -1,5 +1,5 @@
-"""Results of columns of adsorbent: when gases break through, and what a cycle
-separates.
+"""Results of columns of adsorbent, or of solids at rest that take up a gas by reaction:
+when gases break through, and what a cycle separates.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from contbed.arrays import Array
 from contbed.course.history import SAME
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.history import FLOW, BedHistory
+from contbed.reacting_bed.problem import Problem
 
 MIDDLE = 50
 LEVELS = (1, 5, MIDDLE, 95)  # percent of the mole fraction that enters
@@ -23,16 +24,17 @@ def column_findings(course: Course, history: BedHistory) -> dict[str, float]:
     """Return results of a column: of a run from clean to loaded, or of a cycle."""
     solids = course.scene.solids.values()
     adsorbed = {gas for each in solids for gas in each.adsorption or {}}
-    if not adsorbed or not history.outlet:
+    taken = adsorbed | _taken_by_reactions(course.problem)
+    if not taken or not history.outlet:
         return {}
     rows = dict(zip(history.columns, np.array(history.outlet).T, strict=True))
     if course.time.cycle is not None:
-        return separated(course, rows)
+        return separated(course, rows) if adsorbed else {}
     found: dict[str, float] = {}
     streams = course.at(0.0, before=False).streams
     until = course.cuts[1] * (1 + SAME) if course.schedule else np.inf
     first = rows["t [s]"] <= until
-    for name in sorted(adsorbed):
+    for name in sorted(taken):
         if entering := streams.gas.get(name, 0.0):
             x = rows[f"x_{name} [1]"]
             shares = (
@@ -42,6 +44,19 @@ def column_findings(course: Course, history: BedHistory) -> dict[str, float]:
             curve = np.array([rows["t [s]"], *shares])[:, first]
             length = course.scene.mesh.length
             found |= breakthrough(name, curve, length)
+    return found
+
+
+def _taken_by_reactions(problem: Problem) -> set[str]:
+    """Return the gases that react with what solids at rest hold."""
+    if problem.bed.velocity_solid:
+        return set()
+    gases, solids = problem.species.gases, problem.species.solids
+    found: set[str] = set()
+    for reaction in problem.reactions:
+        used = {name for name, n in reaction.stoichiometry.items() if n < 0.0}
+        if not used.isdisjoint(solids):
+            found |= used & set(gases)
     return found
 
 

@@ -66,6 +66,20 @@ def fill(course: Course, history: BedHistory, result: Result) -> None:
         if error > LARGE_ERROR * aim(problem):
             result.warnings.append(_short_fronts(problem, error))
     _balances(problem, history, result)
+    result.qoi |= _converted(problem, history)
+
+
+def _converted(problem: Problem, history: BedHistory) -> dict[str, float]:
+    """Return the share of each constituent of solids at rest that has reacted."""
+    held = contents(problem, history.state)
+    found = {}
+    for k, unknown in enumerate(problem.layout.names):
+        name = unknown.removeprefix("n_")
+        if name in problem.layout.solids and not problem.bed.velocity_of(unknown):
+            left = float(held[k] / history.held[k]) if history.held[k] > 0.0 else 1.0
+            if left < 1.0:
+                found[f"conversion_{name}"] = 1.0 - left
+    return found
 
 
 def _short_fronts(problem: Problem, error: float) -> str:

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from adsorption_scenes import DENSITY, EPS, SPEED, TRACE, adsorber, constant_pattern
 from pytest import approx
-from reacting_bed_scenes import MOLAR
+from reacting_bed_scenes import MOLAR, R_GAS
 from solving import solved
 
+from contbed.loading import loads
 from contbed.particle.uptake import breakthrough
 from tests.scene_text import set_keys
 
@@ -112,3 +113,71 @@ def test_a_cycle_of_a_bed_that_takes_up_next_to_nothing():
     mass = (1.0 - EPS) * DENSITY
     expected = moles / (mass * 300.0)
     assert qoi["productivity_A_mol_kgs"] == approx(expected, rel=1e-4)
+
+
+GUARD = """
+mesh = { type = "line", length = "1 m", cells = 8 }
+packed_bed = { porosity = 0.4, pressure_drop = "none" }
+gas.model = "ideal_gas"
+gas.composition = "G:1e-4, N2:0.9999"
+gas.pressure = "1 bar"
+gas.species.G = { elements = { O = 1 }, molar_mass = 0.03 }
+gas.species.N2 = {}
+boundary.left.gas = { molar_flux = 2.0, temperature = 400.0 }
+initial.gas.composition = "N2:1"
+output = { plots = false, fields = false }
+
+[solids.pellets]
+diameter = "3 mm"
+density = 1000.0
+composition = "A:1"
+constituent.A = { elements = { Fe = 1 }, molar_mass = 0.05 }
+constituent.B = { elements = { Fe = 1, O = 1 }, molar_mass = 0.08 }
+"""
+
+
+def test_a_guard_bed_breaks_through_when_its_solid_is_used_up():
+    """A rate k c n of a trace: exp(T)/(exp(T) + exp(X) - 1) of what enters leaves, T = k
+    c_0 t and X = k n_0 L/u (Bohart, Adams 1920, doi:10.1021/ja01448a018).
+    """
+    scene = loads(
+        GUARD
+        + """
+        [time]
+        end = "1.8e8 s"
+        tolerance = 1e-4
+        [reactions.r]
+        equation = "A + G -> B"
+        rate = "k*c_G*n_A"
+        parameters.k = "1e-5 m**3/mol/s"
+        basis = "bed"
+        """
+    )
+    qoi = solved(scene).qoi
+    moles = 1e5 / (R_GAS * 400.0)
+    X = 1e-5 * 0.6 * 1000.0 / 0.05 * moles / 2.0
+    shares = np.array([0.5, 0.95])
+    times = np.log(np.expm1(X) * shares / (1.0 - shares)) / (1e-5 * 1e-4 * moles)
+    found = [qoi["breakthrough_50_G_s"], qoi["breakthrough_95_G_s"]]
+    assert found == approx(times, rel=1e-3)
+    assert qoi["conversion_A"] > 0.9
+
+
+def test_the_conversion_of_a_solid_at_rest():
+    """Of first order in what is left: 1 - exp(-k t)."""
+    scene = loads(
+        GUARD.replace(
+            "Fe = 1, O = 1 }, molar_mass = 0.08", "Fe = 1 }, molar_mass = 0.05"
+        )
+        + """
+        [time]
+        end = "1000 s"
+        tolerance = 1e-4
+        [reactions.r]
+        equation = "A -> B"
+        rate = "k*n_A"
+        parameters.k = "1e-3 1/s"
+        basis = "bed"
+        """
+    )
+    assert solved(scene).qoi["conversion_A"] == approx(1.0 - np.exp(-1.0), rel=1e-4)
