@@ -14,6 +14,9 @@ from contbed.scene.quantities import CLOSURE
 from contbed.scene.toml_lines import KeyPath, dotted
 
 
+DIRECTIONS = ("axial", "transverse")
+
+
 def kind_of_key(key: str, node: schema.Node) -> str | None:
     """Return the kind of closure that a key takes; None if it takes none.
 
@@ -73,6 +76,9 @@ def right_keys(scene: Any, path: KeyPath, value: Any) -> str:
     kinds = _kinds_of(name) if isinstance(name, str) else set()
     if not kinds:
         return ""
+    if path[-1] in DIRECTIONS and str(name).endswith(DIRECTIONS):
+        whole = str(name).removesuffix(f"_{path[-1]}")
+        return f'; write {dotted(path[:-1])} = "{whole}", which gives both directions'
     found = [(keys, kind) for keys, kind in _kinds_below(scene) if kind in kinds]
     if any(_fits(keys, path) for keys, _ in found):
         return ""

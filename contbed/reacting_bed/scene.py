@@ -168,7 +168,7 @@ class Closures(Table):
     nusselt: NonNegativeOrClosure | None = None
     """exchange of heat between particles and gas; absent: both at one temperature"""
     sherwood: NonNegativeOrClosure | None = None
-    """of the film around particles; absent: no film"""
+    """of the film around particles; absent: no film, which adsorption needs"""
     conductivity_gas: ConductivityOrClosure | None = Field(
         None, json_schema_extra=CONDUCTIVITY
     )
