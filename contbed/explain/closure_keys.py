@@ -13,7 +13,6 @@ from contbed.scene import schema
 from contbed.scene.quantities import CLOSURE
 from contbed.scene.toml_lines import KeyPath, dotted
 
-
 DIRECTIONS = ("axial", "transverse")
 
 
