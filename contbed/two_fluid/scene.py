@@ -17,9 +17,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    model_validator,
+)
 
 from contbed.errors import SceneError
 from contbed.scene import gas as gases
@@ -48,11 +54,14 @@ from contbed.scene.quantities import (
 )
 from contbed.scene.solids import SolidPhase, one_solid
 from contbed.scene.tables import BalancedRun, NonNegativeOrClosure, SceneBase
+from contbed.scene.units import to_si
 from contbed.two_fluid.conditions import Boundary, Initial, Inlet, of_kind
 
 if TYPE_CHECKING:
     from contbed.materials.constants import Constants
 
+# [K] around the reference temperature of a real fluid that are tabulated
+AROUND = 1.0
 ROWS = 200  # in profiles.csv unless the scene says how often
 Angle = Annotated[float, *unit("rad"), Field(gt=0, lt=1.5)]
 Named = Annotated[tables.Named, Discriminator(form)]
@@ -151,6 +160,18 @@ class GasCantera(GasLaw, gases.GasCantera):
 
 class GasCoolProp(GasLaw, gases.GasCoolProp):
     """A real fluid from CoolProp; its properties at one temperature."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _around_the_reference(cls, values: Any) -> Any:
+        """Tabulate around the one temperature where no range is given."""
+        given = (
+            values.get("reference_temperature") if isinstance(values, dict) else None
+        )
+        if given is None or "T_range" in values:
+            return values
+        T = to_si(given, "K") if isinstance(given, str) else given
+        return values | {"T_range": (T - AROUND, T + AROUND)}
 
 
 Gas = Annotated[

@@ -94,6 +94,14 @@ def test_the_two_libraries_agree_on_air():
     assert found[:4] == approx(properties(AIR, 600.0), rel=0.02)
 
 
+@pytest.mark.parametrize("T", [600.0, "600 K"])
+def test_a_reference_temperature_needs_no_range(T):
+    given = {"model": "coolprop", "name": "Air"}
+    alone = from_dict(changed(cold(), {"gas": given | {"reference_temperature": T}}))
+    found = from_dict(changed(cold(), {"gas": COOLPROP | {"reference_temperature": T}}))
+    assert alone.fluid[:4] == approx(found.fluid[:4], rel=1e-6)
+
+
 def test_a_liquid_of_the_library():
     salt = {"material": "solar_salt", "material_temperature": "340 degC"}
     assert from_dict(changed(BED, {"gas": salt})).fluid.density == approx(
