@@ -27,6 +27,9 @@ from contbed.solvers.tangent import Tangent as SteadyTangent
 Array = Any
 # relative, of sizes and height: below it they change by rounding
 ROUNDING = 1e-15
+# of the change of sizes and height, below which one that does not fall to FALLS of the
+# one before is rounding
+ROUGH, FALLS = 1e-4, 0.5
 OTHER = "a small change adds or removes an unknown"
 
 
@@ -65,7 +68,7 @@ class Tangent(SteadyTangent):
         """
         scenes = [self._as_settled(scene) for scene in (below, above)]
         found = [Result(self.problem.plan) for _ in scenes]
-        moved = 0.0
+        moved, change = 0.0, np.inf
         for _ in range(ROUNDS):
             problems = [self._problem(scene) for scene in scenes]
             states = self._states(problems)
@@ -74,8 +77,11 @@ class Tangent(SteadyTangent):
             scenes = [
                 settled(*each)[0] for each in zip(problems, states, found, strict=True)
             ]
-            change, moved = abs(_apart(scenes) - moved), _apart(scenes)
-            if change <= max(CHANGE * moved, ROUNDING):
+            apart, before = _apart(scenes), change
+            change, moved = abs(apart - moved), apart
+            # rounding of a stiff bed, which does not fall any more
+            rests = FALLS * before < change <= ROUGH * moved
+            if rests or change <= max(CHANGE * moved, ROUNDING):
                 break
         else:
             raise ConvergenceError(

@@ -2,6 +2,8 @@
 with sizes and height that settle.
 """
 
+import itertools
+
 import numpy as np
 import pytest
 from bubbling_scenes import case1, put
@@ -9,6 +11,7 @@ from computed_scenes import tables as closure_tables
 from reacting_scenes import combustor
 
 import contbed as cb
+from contbed.bubbling_bed import tangent
 from contbed.bubbling_bed.results import fill
 from contbed.bubbling_bed.settling import settle, stretched, unsettled
 from contbed.bubbling_bed.tangent import Tangent
@@ -149,6 +152,22 @@ nusselt = "ranz_marshall"
 mixing_conductivity = 3e4
 feed = { mass_flow = "10 t/h", temperature = 288.15, height = 0.3, width = 0.1, drain = "bottom" }
 """
+
+
+def test_a_height_whose_change_is_rounded(monkeypatch):
+    """Of a stiff bed, such as one that burns: a change of the height that is rounded by
+    1e-6 of itself leaves the derivative of the bed to 1e-5.
+    """
+    scene, name = loads(DRIER), "bubbling_bed.tubes.perimeter"
+    exact = gradient(scene, "T_sand_mid_K", name)
+    apart, count = tangent._apart, itertools.count()
+    monkeypatch.setattr(
+        tangent,
+        "_apart",
+        lambda scenes: apart(scenes) * (1.0 + 1e-6 * (-1.0) ** next(count)),
+    )
+    found = gradient(scene, "T_sand_mid_K", name)
+    assert found.derivatives == pytest.approx(exact.derivatives, rel=1e-5)
 
 
 @pytest.mark.slow

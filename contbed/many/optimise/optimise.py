@@ -180,11 +180,12 @@ def by_gradient(evaluations: Evaluations) -> Found:
                 return _only(part)
             found = minimise(part, design.start[rest] if near is None else near.x)
         except EvaluationFailed as error:
-            values = (
+            values = [
                 f"{design.keys[k].name} = {value}"
                 for k, value in zip(whole, choice, strict=True)
-            )
-            remarks.append(f"no search with {', '.join(values)}: {error}")
+            ]
+            chosen = f" with {', '.join(values)}" if values else ""
+            remarks.append(f"no search{chosen}: {error}")
             return None
         remarks.extend(found.remarks)
         return found
