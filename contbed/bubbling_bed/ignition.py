@@ -23,6 +23,7 @@ SLOW_MIXING, FAST_MIXING = 3.0, 1e-4
 # the slow one of gases that burn without fuel [s]: they leave the bed within a second,
 # and go out where they mix no faster
 SLOW_IN_GAS = 0.02
+SLOW_LIME = 0.03  # of the rate of calcination, at which it fills the bed
 COLD = 600.0  # temperature of a bed [K] in which lime does not give off gas yet
 WIDER = 1.2  # times the shortest time of mixing with a state, which is advised
 
@@ -72,8 +73,9 @@ def burning_state(problem: Any, T: float, given: bool) -> tuple[Any, list[float]
 
 def reacting_state(problem: Any, T: float) -> tuple[Any, list[float]]:
     """Solve a bed that reacts without fuel from one temperature, or else from a colder
-    one, in which particles do not give off gas at once; where gases may burn, by
-    following them from slow mixing first, as their flames may be narrow.
+    one, in which particles do not give off gas at once, or from limestone that reacts
+    slowly; where gases may burn, by following them from slow mixing first, as their
+    flames may be narrow.
 
     Raises
     ------
@@ -95,8 +97,41 @@ def reacting_state(problem: Any, T: float) -> tuple[Any, list[float]]:
         with suppress(ConvergenceError):
             found = problem.solve_from(problem.settled(COLD))
             return found
+        if scene.reactions.calcination is None:
+            raise
+        with suppress(ConvergenceError):
+            found = problem.solve_from(from_slow_lime(problem, T), near=True)
+            return found
         raise
     return found
+
+
+def from_slow_lime(problem: Any, T: float) -> Any:
+    """Return unknowns of a bed of limestone, followed from SLOW_LIME of the rate at
+    which it calcines: it leaves nearly no CaCO3, in fronts, where it is fast.
+
+    Raises
+    ------
+    ConvergenceError : no state is found
+    """
+    slow = with_lime(problem, 1.0)
+    state, _ = slow.solve_from(slow.settled(T))
+    with np.errstate(all="ignore"):
+        return from_easier(
+            lambda left, near: with_lime(problem, left).solve_near(near)[0],
+            slow.unknowns(state),
+        )
+
+
+def with_lime(problem: Any, left: float) -> Any:
+    """Return a problem whose limestone calcines at SLOW_LIME of its rate at 1, and as
+    its scene says at 0.
+    """
+    scene, reactions = problem.plan.scene, problem.plan.scene.reactions
+    factor = reactions.calcination.factor * SLOW_LIME**left
+    slow = reactions.calcination.model_copy(update={"factor": factor})
+    changed = reactions.model_copy(update={"calcination": slow})
+    return problem.with_scene(scene.model_copy(update={"reactions": changed}))
 
 
 def from_slow_mixing(problem: Any, T: float, slowest_time: float = SLOW_MIXING) -> Any:

@@ -288,3 +288,45 @@ def test_a_bed_of_lime_is_found_from_below_where_lime_gives_off_its_gas(T):
     needs += lime * 49.0 * (bed - 298.15)  # of the carbon dioxide
     assert found["calcined"] > 0.99
     assert -found["walls_convection_W"] == approx(needs, rel=0.04)
+
+
+LIME_IN_HOT_GAS = """
+bubbling_bed.height = 1.2
+bubbling_bed.section = 4.0
+bubbling_bed.solids_fraction = 0.55
+bubbling_bed.bubbles.size = 0.1
+bubbling_bed.drain.time = "4 h"
+gas.composition = "N2:0.72, CO2:0.1, H2O:0.1, O2:0.08"
+boundary.bottom.gas = { mass_flow = "6 t/h", temperature = 1500 }
+reactions.calcination = {}
+[solids.stone]
+diameter = "0.8 mm"
+density = 2700
+heat_capacity = 1000
+nusselt = "ranz_marshall"
+mixing_conductivity = 2e4
+feed = { mass_flow = "1 t/h", temperature = 298.15, height = 0.5, width = 0.1 }
+limestone.purity = 1.0
+"""
+
+
+@pytest.mark.slow
+def test_lime_in_hot_gas_is_followed_from_lime_that_reacts_slowly():
+    """The gas cools to the bed for 178 kJ/mol at 298 K and the heat of the solids; 3 %
+    by constant heat capacities of CaO, CaCO3 and CO2, 53, 110 and 49 J/mol/K.
+    """
+    found = contbed.run(loads(LIME_IN_HOT_GAS)).qoi
+    bed, turned = found["T_stone_mid_K"], found["calcined"]
+    gas = ct.Solution("gri30.yaml")
+    composition = "N2:0.72, CO2:0.1, H2O:0.1, O2:0.08"
+    heat = []
+    for T in (1500.0, bed):
+        gas.TPX = T, 101325.0, composition
+        heat.append(6.0 / 3.6 * gas.enthalpy_mass)
+    stone = 1.0 / 3.6 / 0.100087
+    each = turned * (178e3 + (53.0 + 49.0) * (bed - 298.15))
+    each += (1.0 - turned) * 110.0 * (bed - 298.15)
+    assert turned > 0.98
+    assert heat[0] - heat[1] == approx(stone * each, rel=0.03)
+    made = stone * turned / (6.0 / 3.6 / gas.mean_molecular_weight * 1e3)
+    assert found["x_CO2_wet"] == approx((0.1 + made) / (1.0 + made), rel=2e-3)
