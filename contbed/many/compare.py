@@ -37,6 +37,7 @@ class Outcome:
     results : by common name
     ignored : keys of the file that only other models have
     problem : what stopped the run; empty if nothing did
+    warnings : of the run, without those on keys that are ignored
     """
 
     model: str
@@ -46,6 +47,7 @@ class Outcome:
     ignored: tuple[str, ...] = ()
     skipped: tuple[tuple[str, str], ...] = ()
     problem: str = ""
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,7 @@ class Comparison:
         for outcome in self.outcomes:
             lines += ["", f"{outcome.model}:"]
             lines += [f"  failed: {outcome.problem}"] if outcome.problem else []
+            lines += [f"  warning: {text}" for text in outcome.warnings]
             lines += [f"  leaves out {what}: {why}" for what, why in outcome.skipped]
             lines += (
                 [f"  ignores {', '.join(outcome.ignored)}"] if outcome.ignored else []
@@ -202,4 +205,5 @@ def _outcome(model: str, scene: SceneBase, folder: Path, quiet: bool) -> Outcome
         sum(result.plan.unknowns().values()),
         ignored,
         tuple(result.plan.skipped),
+        warnings=tuple(text for text in result.warnings if "is ignored: " not in text),
     )

@@ -27,6 +27,7 @@ FOUND = Comparison(
             seconds=2.0,
             ignored=("packed_bed",),
             skipped=(("radiation", "no [radiation] table"),),
+            warnings=("3 % of the particles have left",),
         ),
         Outcome("bubbling_bed", problem="the bed does not fluidize"),
     )
@@ -48,6 +49,7 @@ def test_the_text_says_what_each_leaves_out():
     assert "404 (+1 %)" in text
     assert "leaves out radiation: no [radiation] table" in text
     assert "ignores packed_bed" in text
+    assert "warning: 3 % of the particles have left" in text
     assert "failed: the bed does not fluidize" in text
 
 
