@@ -252,7 +252,8 @@ def table(place: str, at: str | None) -> str:
     lines.append("")
     for choice in ranked(kind, known, spans):
         value = "" if choice.value is None else f"  = {choice.value:.5g}"
-        if value and kind == "minimum_fluidization" and {"nu", "d_p"} <= known.keys():
+        gives_u_mf = kind == "minimum_fluidization" and {"nu", "d_p"} <= known.keys()
+        if choice.value is not None and gives_u_mf:
             u_mf = choice.value * known["nu"] / known["d_p"]
             value += f", u_mf = {u_mf:.5g} m/s"
         lines.append(f"{choice.name:42}{_verdict(choice, bool(given)):10}{value}")

@@ -138,11 +138,11 @@ def _balances(problem: Problem, history: BedHistory, result: Result) -> None:
     if heat:
         wall = float(history.sources[heat].sum())
         fluxes = inward[heat].ravel().tolist()
-        both_ways = float(history.both_ways[heat].sum())
+        heat_both_ways = float(history.both_ways[heat].sum())
         stored = float(gain[heat].sum())
         scale = max(history.carried, abs(wall), abs(stored), _blurring(held[heat]))
         result.balances["energy"] = Balance.of_fluxes(
-            fluxes, "J/m2", wall, stored, scale, both_ways
+            fluxes, "J/m2", wall, stored, scale, heat_both_ways
         ).as_dict()
 
 
