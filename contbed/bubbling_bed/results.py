@@ -14,6 +14,7 @@ from contbed.bubbling_bed.diagnosis import flows_down
 from contbed.bubbling_bed.plan import BubblingPlan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.closures import optics
+from contbed.closures.bubbles import GRAVITY
 from contbed.closures.ranges import usage
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Probe, line_along
@@ -246,9 +247,12 @@ def _computed(
         result.qoi[f"{name}_coefficient_W_m2K"] = float(
             trapezoid(np.broadcast_to(value, z.shape), z) / np.ptp(z)
         )
+    emulsion = 1.0 - np.broadcast_to(local.delta, z.shape)
+    dense = float(trapezoid(emulsion, z))
+    result.qoi["pressure_drop_Pa"] = (
+        GRAVITY * computed.solids * computed.rho_solid * dense
+    )
     if computed.bubbling:
-        emulsion = 1.0 - np.broadcast_to(local.delta, z.shape)
-        dense = float(trapezoid(emulsion, z))
         result.qoi["height_at_minimum_fluidization_m"] = dense
         result.warnings += _of_expansion(plan.scene, dense)
         text = flows_down(
@@ -297,6 +301,7 @@ def _freeboard(
     result.qoi |= {
         "ejected_kg_m2s": ejected,
         "carryover_kg_s": part.section * values["carryover"],
+        "T_freeboard_out_K": float(values["T_freeboard"][0]),
     }
     fed = sum(item.fed_solids for item in computed.scene.present.values())
     sized = any(item.sizes is not None for item in computed.scene.present.values())

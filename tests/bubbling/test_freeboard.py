@@ -173,3 +173,15 @@ def test_a_freeboard_needs_its_gas_and_one_choice():
         cb.errors.SceneError, match="give one of radiosity, temperature, height"
     ):
         hot(freeboard={})
+
+
+def test_pressure_drop_and_temperature_of_what_leaves():
+    """The weight of particles between the bubbles, and the end of the profile."""
+    result = solved(hot(freeboard={"height": 2.0}))
+    scene, z = result.plan.scene, result.profiles["z [m]"]
+    share = result.qoi["height_at_minimum_fluidization_m"]
+    density = sum(each.volume_share * each.density for each in scene.present.values())
+    weight = 9.81 * scene.bubbling_bed.solids_fraction * density * share
+    assert result.qoi["pressure_drop_Pa"] == approx(weight, rel=1e-12)
+    out = result.profiles["T_freeboard [K]"][np.argmax(z)]
+    assert result.qoi["T_freeboard_out_K"] == approx(out, rel=1e-12)
