@@ -32,6 +32,7 @@ from contbed.result import Result
 # in which cells were damped, steps to the end at their size, growth of their size above
 # which they become few by themselves, and hundreds in a row that must show it
 JUDGED, DAMPED, TOO_MANY, GROWTH, HUNDREDS = 100, 1 / 3, 20_000, 1.5, 3
+MANY = 5_000  # steps left from which the progress says how to take fewer
 
 
 class ShortFrontsError(ConvergenceError):
@@ -71,20 +72,21 @@ def run_transient(
             if time.cycle is None:
                 saver.offer(history)
                 begun = earlier = judged = history
-                slow = 0
+                slow, note = 0, ""
                 for history in steps.march(begun):
                     _require_feasible(history, report)
                     if history.steps >= judged.steps + JUDGED:
                         slow += 1
                         if not _creeps(course, earlier, judged, history):
                             slow = 0
+                        note = _note(course, judged, history)
                         earlier, judged = judged, history
                         creeps = slow >= HUNDREDS
                         if creeps:
                             raise ShortFrontsError(
                                 f"{history.steps} steps to t = {history.time:.3g} s", []
                             )
-                    progress.advance_to(history.time)
+                    progress.advance_to(history.time, note)
                     saver.offer(history)
             else:
                 for period in searched(steps, start, saver.offer, progress.advance_to):
@@ -134,9 +136,27 @@ def _creeps(
     steps = now.steps - before.steps
     damped = now.steps_damped - before.steps_damped
     passed, former = now.time - before.time, before.time - earlier.time
-    left = (course.time.end - now.time) / passed * steps
+    left = _left(course, before, now)
     grows = passed > GROWTH * former
     return damped > DAMPED * steps and left > TOO_MANY and not grows
+
+
+def _left(course: Course, before: BedHistory, now: BedHistory) -> float:
+    """Return the steps to the end at the size of those between two histories."""
+    return (course.time.end - now.time) * (
+        (now.steps - before.steps) / (now.time - before.time)
+    )
+
+
+def _note(course: Course, before: BedHistory, now: BedHistory) -> str:
+    """Return what a user who waits may change: nothing where few steps are left, or
+    the scene has chosen its cells.
+    """
+    left = _left(course, before, now)
+    chosen = course.scene.solver.degree is not None or not course.problem.line.degree
+    if left < MANY or chosen:
+        return ""
+    return f"some {left:.1g} steps are left; solver.degree = 0 takes fewer for fronts"
 
 
 def _require_feasible(history: BedHistory, report: solve.Report) -> None:

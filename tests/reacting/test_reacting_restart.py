@@ -4,6 +4,8 @@ uninterrupted run bit for bit.
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 from adsorption_scenes import adsorber
 from pytest import approx
@@ -250,3 +252,20 @@ def test_a_run_that_creeps_begins_again_with_one_value_a_cell(creeping, tmp_path
     owner, name, _ = STOP
     interrupt(given, tmp_path / "a", owner, name, 40)
     same_run(contbed.run(given, out=tmp_path / "b", restart=tmp_path / "a"), found)
+
+
+def test_the_progress_says_how_to_take_fewer_steps():
+    """100 steps for 1 of 100 s leave 9900."""
+    before, now = (SimpleNamespace(steps=100 * k, time=float(k)) for k in (0, 1))
+    solver = SimpleNamespace(degree=None)
+    course = SimpleNamespace(
+        time=SimpleNamespace(end=100.0),
+        scene=SimpleNamespace(solver=solver),
+        problem=SimpleNamespace(line=SimpleNamespace(degree=2)),
+    )
+    said = "some 1e+04 steps are left; solver.degree = 0 takes fewer for fronts"
+    assert transient_run._note(course, before, now) == said
+    course.time.end = 50.0
+    assert transient_run._note(course, before, now) == ""
+    course.time.end, solver.degree = 100.0, 2
+    assert transient_run._note(course, before, now) == ""
