@@ -160,6 +160,11 @@ def _build(
         for path in ignored
         if len(path) > 1
     ]
+    remarks += [
+        (path, f"is ignored: {model.refused[str(path[0])]}")
+        for path in ignored
+        if path[0] in model.refused and len(path) == 1
+    ]
     if "H2O" in str(getattr(parts.get("gas"), "composition", "")):
         from contbed.materials.condensation import water_condenses
 
@@ -173,8 +178,9 @@ def _in_other_models(kind: str, path: KeyPath) -> str:
     """Say which models have the table that a kind of scenes does not; empty where none
     has it, or the path is no table.
     """
-    tables = MODELS[kind].scene.model_fields
-    if len(path) != 1 or path[0] in tables:
+    scene = MODELS[kind].scene
+    tables = scene.model_fields
+    if len(path) != 1 or path[0] in tables or path[0] in scene.refused:
         return ""
     others = [
         name for name, each in MODELS.items() if path[0] in each.scene.model_fields

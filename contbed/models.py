@@ -173,8 +173,10 @@ def _reacts(values: Mapping[str, Any]) -> bool:
         return True
     gas = _tables(values.get("gas"), values.get("fluid"))
     solids = _tables(values.get("solid"), *_items(values.get("solids")))
-    # particles of several sizes, of which the other packed bed has one
-    if sum("volume_share" in each for each in solids) > 1:
+    # particles of several sizes, of which the other packed bed has one; those that
+    # radiate have shares as well
+    several = sum("volume_share" in each for each in solids) > 1
+    if several and "radiation" not in values:
         return True
     entering = _tables(
         values.get("flow"),

@@ -205,5 +205,7 @@ def _outcome(model: str, scene: SceneBase, folder: Path, quiet: bool) -> Outcome
         sum(result.plan.unknowns().values()),
         ignored,
         tuple(result.plan.skipped),
-        warnings=tuple(text for text in result.warnings if "is ignored: " not in text),
+        warnings=tuple(
+            text for text in result.warnings if "is ignored: only" not in text
+        ),
     )

@@ -305,6 +305,11 @@ class ReactingScene(SceneBase):
     """One run of a packed or moving bed with species."""
 
     kind: ClassVar[str] = "reacting_bed"
+    refused: ClassVar[Mapping[str, str]] = {
+        "radiation": "a bed with species takes radiation by its conductivity, such as "
+        'closures.conductivity_solids = { name = "zehner_bauer_schluender", '
+        "emissivity = 0.8 }"
+    }
 
     mesh: MeshLine
     gas: Gas

@@ -140,3 +140,13 @@ def test_the_bottom_of_a_bubbling_bed_is_no_mistake_on_a_line():
     assert ("boundary", "bottom") in loads(both).ignored
     alone = both.replace("[bubbling_bed]\nheight = 1.0\n", "")
     refused("boundary.bottom: a", loads, alone)
+
+
+def test_a_bed_with_species_says_how_it_takes_radiation():
+    reacting = MODELS["reacting_bed"].template.read_text().rstrip("\n")
+    alone = reacting.replace('model = "packed_bed"\n', "")
+    said = "a bed with species takes radiation by its conductivity"
+    refused(f"radiation: {said}", loads, alone + "\n[radiation]\n")
+    # a file that others read as well
+    warnings = loads(reacting + "\n[radiation]\n").warnings
+    assert any(f"is ignored: {said}" in text for text in warnings)
