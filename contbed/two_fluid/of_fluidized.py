@@ -126,7 +126,7 @@ def _unknown_frequency(
     if frequency * span < PERIODS:
         text = (
             f"dominant_frequency = {frequency:.3g} Hz has only {frequency * span:.3g} "
-            f"periods in the averages; average over {1.01 * PERIODS / frequency:.3g} s"
+            f"periods in the averages; average over at least {1.01 * PERIODS / frequency:.3g} s"
         )
         return [f"{where}: {text}"]
     return []

@@ -8,7 +8,7 @@ radiation, walls; a `Part` of the bed.
     -A (F - F_out) c T_d,y = A F_y (h_d - h_u) + A [a_d h_gp (T_f - T_d) + K_d (G - 4 E_d)]         and downward
     -(A D G_y)_y           = A sum_d K_d (4 E_d - G) + sum_x p_x (eps_x/4) (4 E_x - G)
 
-    y = 0:  N_i = N_ie + N_ib,  m h = W_e h_e + W_b h_b,  h_u = mean of the bed's particles
+    y = 0:  N_i = N_ie + N_ib,  m h = W_e h_e + W_b h_b,  h_u = mean of the bed's particles,
             G and A D G_y those of the bed
     y = L:  h_d = h_u,  F_out = F,  A D G_y = A (4 E_top - G)/2
 
