@@ -120,23 +120,27 @@ def follow(problem: BubblingProblem, state: Any, result: Result) -> Branch:
     branch.report(table.parameter, result)
     folds = [p for _, p, _ in branch.folds]
     result.qoi |= distance(problem.plan.scene, folds, branch.complete)
-    result.tables["continuation"] = branch.columns(
-        table.header(problem.plan.scene), lambda p, x: row(family.at(p), x)
-    )
-    if problem.plan.scene.bubbling_bed.settled_height is not None:
-        result.warnings += _other_heights(family, branch)
+    settles = problem.plan.scene.bubbling_bed.settled_height is not None
+    heights: dict[float, float] = {}
+
+    def described(p: float, x: Any) -> dict[str, float]:
+        here = family.at(p)
+        if settles:
+            heights[p] = height_of(here, here._state(x))
+        return row(here, x)
+
+    header = table.header(problem.plan.scene)
+    result.tables["continuation"] = branch.columns(header, described)
+    if settles:
+        result.warnings += _other_heights(family, heights)
     return branch
 
 
-def _other_heights(family: Family, branch: Branch) -> list[str]:
+def _other_heights(family: Family, found: dict[float, float]) -> list[str]:
     """Warn where the particles would settle at another height than at the start, which
-    the branch keeps.
+    the branch keeps; `found` are the heights by the value of the branch.
     """
     kept = family.problem.plan.scene.bubbling_bed.height
-    found = {}
-    for p, x, _ in branch.points():
-        problem = family.at(p)
-        found[p] = height_of(problem, problem._state(x))
     worst = max(found, key=lambda p: abs(found[p] / kept - 1.0))
     if abs(found[worst] / kept - 1.0) < OTHER_HEIGHT:
         return []

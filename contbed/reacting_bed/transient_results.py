@@ -65,13 +65,15 @@ def fill(course: Course, history: BedHistory, result: Result) -> None:
         result.qoi["cells_error"] = error = history.rough / history.time
         if error > LARGE_ERROR * aim(problem):
             result.warnings.append(_short_fronts(problem, error))
-    _balances(problem, history, result)
-    result.qoi |= _converted(problem, history)
-
-
-def _converted(problem: Problem, history: BedHistory) -> dict[str, float]:
-    """Return the share of each constituent of solids at rest that has reacted."""
     held = contents(problem, history.state)
+    _balances(problem, held, history, result)
+    result.qoi |= _converted(problem, held, history)
+
+
+def _converted(problem: Problem, held: Array, history: BedHistory) -> dict[str, float]:
+    """Return the share of each constituent of solids at rest that has reacted; `held`
+    is what the bed holds at the end.
+    """
     found = {}
     for k, unknown in enumerate(problem.layout.names):
         name = unknown.removeprefix("n_")
@@ -103,11 +105,12 @@ def contents(problem: Problem, u: Array) -> Array:
     return problem.mean(held)
 
 
-def _balances(problem: Problem, history: BedHistory, result: Result) -> None:
+def _balances(
+    problem: Problem, held: Array, history: BedHistory, result: Result
+) -> None:
     """Add what of every element, and of energy with heats of formation, has passed
-    the ends and is stored.
+    the ends and is stored; `held` is what the bed holds at the end.
     """
-    held = contents(problem, history.state)
     gain = held - history.held
     inward = history.passed * np.array([1.0, -1.0])
     elements = results.atoms_of(problem)

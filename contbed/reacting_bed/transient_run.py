@@ -128,10 +128,7 @@ def _creeps(
     does not ask for, follow them in far too many steps, which do not grow as they do
     behind a jump.
     """
-    scene = course.scene
-    if scene.solver.degree is not None or not course.problem.line.degree:
-        return False
-    if course.rounds:
+    if _chosen(course) or course.rounds:
         return False
     steps = now.steps - before.steps
     damped = now.steps_damped - before.steps_damped
@@ -139,6 +136,11 @@ def _creeps(
     left = _left(course, before, now)
     grows = passed > GROWTH * former
     return damped > DAMPED * steps and left > TOO_MANY and not grows
+
+
+def _chosen(course: Course) -> bool:
+    """Return whether the scene has chosen its cells, or they have one value already."""
+    return course.scene.solver.degree is not None or not course.problem.line.degree
 
 
 def _left(course: Course, before: BedHistory, now: BedHistory) -> float:
@@ -153,8 +155,7 @@ def _note(course: Course, before: BedHistory, now: BedHistory) -> str:
     the scene has chosen its cells.
     """
     left = _left(course, before, now)
-    chosen = course.scene.solver.degree is not None or not course.problem.line.degree
-    if left < MANY or chosen:
+    if left < MANY or _chosen(course):
         return ""
     return f"some {left:.1g} steps are left; solver.degree = 0 takes fewer for fronts"
 

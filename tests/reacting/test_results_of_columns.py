@@ -136,24 +136,28 @@ constituent.B = { elements = { Fe = 1, O = 1 }, molar_mass = 0.08 }
 """
 
 
+def at_rest(text, end, equation, rate, k):
+    """Results of solids at rest that react at a rate per volume of the bed."""
+    scene = loads(
+        f"""{text}
+        [time]
+        end = "{end}"
+        tolerance = 1e-4
+        [reactions.r]
+        equation = "{equation}"
+        rate = "{rate}"
+        parameters.k = "{k}"
+        basis = "bed"
+        """
+    )
+    return solved(scene).qoi
+
+
 def test_a_guard_bed_breaks_through_when_its_solid_is_used_up():
     """A rate k c n of a trace: exp(T)/(exp(T) + exp(X) - 1) of what enters leaves, T = k
     c_0 t and X = k n_0 L/u (Bohart, Adams 1920, doi:10.1021/ja01448a018).
     """
-    scene = loads(
-        GUARD
-        + """
-        [time]
-        end = "1.8e8 s"
-        tolerance = 1e-4
-        [reactions.r]
-        equation = "A + G -> B"
-        rate = "k*c_G*n_A"
-        parameters.k = "1e-5 m**3/mol/s"
-        basis = "bed"
-        """
-    )
-    qoi = solved(scene).qoi
+    qoi = at_rest(GUARD, "1.8e8 s", "A + G -> B", "k*c_G*n_A", "1e-5 m**3/mol/s")
     moles = 1e5 / (R_GAS * 400.0)
     X = 1e-5 * 0.6 * 1000.0 / 0.05 * moles / 2.0
     shares = np.array([0.5, 0.95])
@@ -165,19 +169,8 @@ def test_a_guard_bed_breaks_through_when_its_solid_is_used_up():
 
 def test_the_conversion_of_a_solid_at_rest():
     """Of first order in what is left: 1 - exp(-k t)."""
-    scene = loads(
-        GUARD.replace(
-            "Fe = 1, O = 1 }, molar_mass = 0.08", "Fe = 1 }, molar_mass = 0.05"
-        )
-        + """
-        [time]
-        end = "1000 s"
-        tolerance = 1e-4
-        [reactions.r]
-        equation = "A -> B"
-        rate = "k*n_A"
-        parameters.k = "1e-3 1/s"
-        basis = "bed"
-        """
+    alike = GUARD.replace(
+        "Fe = 1, O = 1 }, molar_mass = 0.08", "Fe = 1 }, molar_mass = 0.05"
     )
-    assert solved(scene).qoi["conversion_A"] == approx(1.0 - np.exp(-1.0), rel=1e-4)
+    qoi = at_rest(alike, "1000 s", "A -> B", "k*n_A", "1e-3 1/s")
+    assert qoi["conversion_A"] == approx(1.0 - np.exp(-1.0), rel=1e-4)

@@ -43,7 +43,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.bubbling_bed.equations.coefficients import Part, Surface
-from contbed.bubbling_bed.equations.species import loss
+from contbed.bubbling_bed.equations.species import HEAT, flow_balance
 from contbed.chemistry.sums import Sums
 from contbed.chemistry.thermo import Thermo
 from contbed.closures.optics import SIGMA, marshak
@@ -51,7 +51,6 @@ from contbed.fem.stabilisation import tau
 from contbed.radiation.equations import p1 as radiation
 
 CLEAR = 1e-3  # optical depth of a freeboard without particles
-MOLES = 4e5  # what makes a flow of gas compare with heat [J/mol]
 # radiation through the surface of the bed over the jump of (G / 4 sigma)^(1/4) there
 # [W/m2/K]
 JOINED = 1e8
@@ -138,7 +137,7 @@ class Freeboard(Part):
             start=0.0,
         )
         for name in map(flow_of, self.gases):
-            heat = heat + 1e-3 * MOLES * getattr(u, name) * getattr(tests, name)
+            heat = heat + 1e-3 * HEAT * getattr(u, name) * getattr(tests, name)
         return 1e3 * heat + self.heat * u.flow_up * tests.flow_up
 
     def capacity(self, T: Any) -> Any:
@@ -243,11 +242,9 @@ class Freeboard(Part):
         total, made = 0.0, self.made(u)
         amount = sum(getattr(u, flow_of(name)) for name in self.gases)
         for name in self.gases:
-            N, v = getattr(u, flow_of(name)), getattr(tests, flow_of(name))
-            source, slope = self.stretch * made[name], o.grad(v)[0]
-            stable = tau(1.0, 0.0, loss(source, amount), 1.0, o.h, self.degree)
-            strong = o.grad(N)[0] + source
-            total = total + MOLES * ((N + stable * strong) * slope - source * v)
+            N, v = (getattr(each, flow_of(name)) for each in (u, tests))
+            source = self.stretch * made[name]
+            total = total + flow_balance(N, v, source, amount, -1.0, o, self.degree)
         return total
 
     def _upwind(self, strong: Any, capacity: Any, coupling: Any, v: Any, o: Any) -> Any:
@@ -295,7 +292,7 @@ class Freeboard(Part):
             rising = sum(
                 getattr(u, f"N_{name}_{gas.removeprefix('T_')}") for gas in c.gases
             )
-            total = total - MOLES * rising * getattr(tests, flow_of(name))
+            total = total - HEAT * rising * getattr(tests, flow_of(name))
         for name, share in self.shares.items():
             lost = self.enthalpy(name, getattr(u, f"T_{name}")) - self.enthalpy(
                 name, u.T_down
@@ -315,7 +312,7 @@ class Freeboard(Part):
         total = here.flow * here.enthalpy(u.T_freeboard) * tests.T_freeboard
         total = total + self.heat * (u.carryover - u.flow_up) * tests.carryover
         for name in map(flow_of, self.gases):
-            total = total + MOLES * getattr(u, name) * getattr(tests, name)
+            total = total + HEAT * getattr(u, name) * getattr(tests, name)
         return (
             total + self.exit_radiation(u) * tests.G_freeboard
             if self.radiates

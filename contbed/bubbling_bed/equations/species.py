@@ -302,12 +302,9 @@ class Species(Part):
         for phase in self.phases:
             amount = sum(self.flow(u, phase).values())
             for name in self.gases:
-                N = getattr(u, f"N_{name}_{phase}")
-                v = getattr(tests, f"N_{name}_{phase}")
-                made, slope = sources.gas[phase][name], o.grad(v)[0]
-                stable = tau(1.0, 0.0, loss(made, amount), 1.0, o.h, self.degree)
-                strong = o.grad(N)[0] - made
-                total = total + HEAT * ((stable * strong - N) * slope - made * v)
+                N, v = (getattr(each, f"N_{name}_{phase}") for each in (u, tests))
+                made = sources.gas[phase][name]
+                total = total + flow_balance(N, v, made, amount, 1.0, o, self.degree)
         for name, solid in self.solids.items():
             v = getattr(tests, f"n_{name}")
             flux, slope = self.flux(u, name, local, o), o.grad(v)[0]
@@ -406,7 +403,19 @@ class Species(Part):
         return total
 
 
-def loss(made: Any, amount: Any) -> Any:
+def flow_balance(
+    N: Any, v: Any, made: Any, amount: Any, sense: float, o: Any, degree: int
+) -> Any:
+    """Return the weak form of `sense` N' = made for a mole flow, stabilised along it;
+    `amount` is the flow of all gases.
+    """
+    slope = o.grad(v)[0]
+    stable = tau(1.0, 0.0, _loss(made, amount), 1.0, o.h, degree)
+    strong = o.grad(N)[0] - sense * made
+    return HEAT * ((stable * strong - sense * N) * slope - made * v)
+
+
+def _loss(made: Any, amount: Any) -> Any:
     """Return how fast a source can change a flow [1/m]; for the stabilisation only."""
     value = np.abs(getattr(made, "value", made))
     return value / np.maximum(0.1 * np.abs(getattr(amount, "value", amount)), 1e-300)
