@@ -26,6 +26,8 @@ class FreeboardProblem:
     def __init__(self, scene: Any, computed: Any):
         self.scene = scene
         self.computed = computed
+        # share of the rates of reactions, below 1 on the way to a state only
+        self.rate = 1.0
         chemistry = getattr(computed, "chemistry", None)
         # gases as in the bed, in the one phase above it
         self.species = (
@@ -106,7 +108,7 @@ class FreeboardProblem:
         for reaction in self.species.reactions:
             if reaction.in_gas:
                 reaction(state, terms)
-        return terms.gas["freeboard"]
+        return {name: self.rate * made for name, made in terms.gas["freeboard"].items()}
 
     def state(self, u: Any) -> tuple[dict[str, Any], Any, Any]:
         """Return the arguments for closures at the temperature of the gas, its mass

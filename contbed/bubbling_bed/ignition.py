@@ -25,6 +25,8 @@ SLOW_MIXING, FAST_MIXING = 3.0, 1e-4
 SLOW_IN_GAS = 0.02
 SLOW_LIME = 0.03  # of the rate of calcination, at which it fills the bed
 COLD = 600.0  # temperature of a bed [K] in which lime does not give off gas yet
+# of the rates of reactions above a bed, at which gases of any flame hardly react there
+SLOW_ABOVE = 1e-8
 WIDER = 1.2  # times the shortest time of mixing with a state, which is advised
 
 
@@ -103,6 +105,51 @@ def reacting_state(problem: Any, T: float) -> tuple[Any, list[float]]:
             found = problem.solve_from(from_slow_lime(problem, T), near=True)
             return found
         raise
+    return found
+
+
+def with_freeboard(
+    problem: Any, solve: Callable[[], tuple[Any, list[float]]]
+) -> tuple[Any, list[float]]:
+    """Solve a bed with gases that react above it: from the state in which they do not,
+    whose flames are in the bed alone; where that cannot be followed, as `solve` does.
+
+    Raises
+    ------
+    ConvergenceError : no state is found
+    """
+    try:
+        problem.react_above(SLOW_ABOVE)
+        state, _ = solve()
+        with suppress(ConvergenceError):
+            if not is_out(problem, state):
+                return followed_above(problem, problem.unknowns(state))
+    finally:
+        problem.react_above(1.0)
+    return solve()
+
+
+def followed_above(problem: Any, x: Any) -> tuple[Any, list[float]]:
+    """Solve with gases that react above the bed, followed from unknowns `x` with those
+    that hardly do.
+
+    Raises
+    ------
+    ConvergenceError : they cannot be followed
+    """
+
+    def follow(left: float, near: Any) -> Any:
+        problem.react_above(SLOW_ABOVE**left)
+        return problem.solve_near(near)[0]
+
+    problem.react_above(1.0)
+    found: tuple[Any, list[float]]
+    with suppress(ConvergenceError):
+        found = problem.solve_from(x, near=True)
+        return found
+    with np.errstate(all="ignore"):
+        x = from_easier(follow, x)
+    found = problem.solve_from(x, near=True)
     return found
 
 

@@ -15,7 +15,7 @@ from contbed.bubbling_bed.burning import burns
 from contbed.bubbling_bed.coefficients import SMOOTHED
 from contbed.bubbling_bed.diagnosis import explain, fluidization, temperatures
 from contbed.bubbling_bed.equations import bed as model
-from contbed.bubbling_bed.ignition import burning_state, reacting_state
+from contbed.bubbling_bed.ignition import burning_state, reacting_state, with_freeboard
 from contbed.bubbling_bed.plan import BubblingPlan
 from contbed.bubbling_bed.scene import BubblingScene
 from contbed.bubbling_bed.scene_coefficients import coefficients, typical_numbers
@@ -122,6 +122,8 @@ class BubblingProblem:
         """
         other = copy(self)
         other.c = coefficients(scene, typical)
+        if self.above is not None:
+            other.above.rate = self.above.rate
         other.plan = replace(self.plan, scene=scene, coefficients=other.c)
         other._record_from = RECORDED_FROM
         other._forget()
@@ -191,10 +193,23 @@ class BubblingProblem:
         T = initial.temperature if guess is None else guess
         if self.chemistry is None:
             return self.solve_from(self._start(T))
-        if not burns(self):
-            return reacting_state(self, T)
         given = guess is not None or "temperature" in initial.model_fields_set
-        return burning_state(self, T, given)
+
+        def solve() -> tuple[Array, list[float]]:
+            return (
+                burning_state(self, T, given)
+                if burns(self)
+                else reacting_state(self, T)
+            )
+
+        if self.above is None or not self.above.reacts:
+            return solve()
+        return with_freeboard(self, solve)
+
+    def react_above(self, share: float) -> None:
+        """Let gases react above the bed at a share of their rates."""
+        self.above.rate = share
+        self._forget()
 
     def settled(self, T: float, slower: float = 1.0) -> Array:
         """Return the state after steps in time from one temperature, whose heat

@@ -212,6 +212,71 @@ def test_a_boiler_finds_its_burning_state(name):
     assert abs(result.balances["energy"]["relative_residual"]) < 1e-10
 
 
+GASIFIER = """
+[bubbling_bed]
+settled_height = 0.6
+section = 0.5
+solids_fraction = 0.55
+bubbles = {}
+freeboard.height = 4.0
+[gas]
+composition = "O2:0.21, N2:0.79"
+[boundary.bottom]
+gas = { mass_flow = 0.2996, temperature = "400 degC" }
+[solids.sand]
+volume_share = 0.97
+diameter = 0.9e-3
+density = 2600
+heat_capacity = 1000
+nusselt = "ranz_marshall"
+mixing_conductivity = 2e4
+[solids.char]
+volume_share = 0.03
+diameter = 3e-3
+density = 1100
+heat_capacity = 1300
+nusselt = "ranz_marshall"
+mixing_conductivity = 2e4
+feed = { mass_flow = 0.2, temperature = "25 degC", height = 0.3, width = 0.1 }
+[solids.char.fuel]
+moisture = 0.15
+ash = 0.0
+volatile_matter = 0.80
+ultimate = { C = 0.50, H = 0.06, O = 0.44 }
+[reactions]
+drying.time = 5
+devolatilisation.time = 10
+char_combustion = {}
+CO_oxidation = {}
+H2_oxidation = {}
+CH4_oxidation = {}
+tar_oxidation = {}
+water_gas_shift = {}
+reforming = {}
+char_steam = {}
+char_CO2 = {}
+"""
+
+
+@pytest.mark.slow
+def test_a_gasifier_is_followed_from_gases_that_rest_above_it():
+    """Oxygen that bubbles bring to the freeboard burns tar there in a thin flame. All
+    oxygen and all char react, so that carbon and hydrogen of the wood are in the gas,
+    and the oxygen ratio is that by hand.
+    """
+    result = contbed.run(loads(GASIFIER))
+    dry, air = 0.2 * 0.85, 0.2996 / (0.21 * 0.031998 + 0.79 * 0.028014)
+    needed = dry * (
+        0.50 / MOLAR_MASS["C"] + 0.06 / MOLAR_MASS["H"] / 4 - 0.44 / MOLAR_MASS["O"] / 2
+    )
+    assert result.qoi["oxygen_ratio"] == approx(0.21 * air / needed, rel=1e-3)
+    assert result.qoi["x_O2_wet"] < 1e-5
+    assert 1200.0 < result.qoi["T_freeboard_out_K"] < 1320.0  # equilibrium: 1059 K
+    assert all(
+        abs(balance["relative_residual"]) < 1e-9 for balance in result.balances.values()
+    )
+
+
 METHANE_IN_SAND = """
 bubbling_bed.height = 0.8
 bubbling_bed.section = 1.0
