@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
@@ -35,6 +35,9 @@ BEYOND = 1.5
 LEAST_ATOMS = 1e-15
 # share of the heat of reactions that is released where a bed has a hot spot
 LEAST_RELEASED = 1e-3
+# temperature above 298.15 K [K] of which streams carry heat at least: rounding of
+# enthalpies with heats of formation is not measured by less
+LEAST_WARM = 1.0
 BETWEEN = 2  # positions of profiles inside of each cell
 
 
@@ -397,33 +400,28 @@ def atoms_of(problem: Problem) -> dict[str, Array]:
 
 
 def heat_carried(problem: Problem, u: Array) -> float:
-    """Return the heat above 298.15 K of all streams that enter or leave [W/m2], the
-    measure of the energy balance.
+    """Return the heat above 298.15 K of all streams that enter or leave, each at least
+    what it carries per LEAST_WARM, the measure of the energy balance [W/m2].
     """
     state = state_at_ends(problem, u)
     h = problem.bed.enthalpies
     total = 0.0
+
+    def heat(moles: Iterable[tuple[float, Any]], T: float) -> float:
+        return abs(sum(n * float(of(T) - of(T_STANDARD)) for n, of in moles))
+
     for k in (0, 1):
-        T_f = at_end(state.T_fluid, k)
-        total += abs(
-            sum(
-                at_end(g, k) * float(h[name](T_f) - h[name](T_STANDARD))
-                for name, g in state.g.items()
-            )
-        )
+        gases = [(at_end(g, k), h[name]) for name, g in state.g.items()]
+        streams = [(1.0, gases, at_end(state.T_fluid, k))]
         for phase, own in problem.bed.with_states(state):
-            T_s, v, h_s = at_end(own.T_solid, k), phase.velocity, phase.enthalpies
-            moles = {name: at_end(n, k) for name, n in own.n.items()}
-            total += abs(
-                v
-                * sum(
-                    n * float(h_s[name](T_s) - h_s[name](T_STANDARD))
-                    for name, n in moles.items()
-                )
-            )
-            total += abs(
-                v * sum(n * float(of(T_s) - of(T_STANDARD)) for n, of in phase.inert)
-            )
+            T, h_s = at_end(own.T_solid, k), phase.enthalpies
+            moles = [(at_end(n, k), h_s[name]) for name, n in own.n.items()]
+            streams += [
+                (phase.velocity, part, T) for part in (moles, list(phase.inert))
+            ]
+        for v, moles, T in streams:
+            most = max(heat(moles, T), heat(moles, T_STANDARD + LEAST_WARM))
+            total += abs(v) * most
     return max(total, 1e-300)
 
 

@@ -18,6 +18,9 @@ from contbed.result import Result
 
 # share of a gas or solid above which a warning says what was rounded
 LARGE_SMOOTHING = 1e-5
+# temperature [K] by which initial.temperature exceeds all of a state that is not the one
+# meant
+GONE_OUT = 300.0
 RESTART_MAY_CHANGE = (
     "time.end",
     "time.times",
@@ -91,6 +94,8 @@ def run(
             "negative, which changes what leaves by "
             f"{report.damping_changes:.2g} of what enters: use more mesh.cells"
         )
+    if (gone_out := _gone_out(problem, u)) is not None:
+        result.warnings.append(gone_out)
     if report.marched:
         result.warnings.append("the first cells took steps in time to the steady state")
     with result.timed("results"):
@@ -109,6 +114,29 @@ def run(
 
         with result.timed("continuation"):
             follow(*whole, result)
+
+
+def _gone_out(problem: Problem, u: Any) -> str | None:
+    """Return a warning on a state that is far colder than the temperature from which it
+    was sought; None if it is not.
+    """
+    T = problem.scene.initial.temperature
+    if T is None or not problem.layout.temperatures:
+        return None
+    hottest = max(
+        float(u[k].max())
+        for k, each in enumerate(problem.unknowns)
+        if each.is_temperature
+    )
+    if T - hottest < GONE_OUT:
+        return None
+    place = problem.scene.origin.at(("initial", "temperature"))
+    return (
+        f"{place}: initial.temperature = {T:g} K, from which the state is sought, is far "
+        f"above this state, which has {hottest:.4g} K at most: if reactions have gone out, "
+        "the bed may burn in another steady state; a run with [time] from this "
+        "temperature ends there if it burns on"
+    )
 
 
 def _in_time(

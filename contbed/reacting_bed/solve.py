@@ -4,6 +4,7 @@ cells.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -38,6 +39,10 @@ SMOOTHEST = 0.1
 COARSE = 1e-3
 # factor from one such share to the next, and beyond which no sharper is tried
 SHARPER, LEAST_SHARPER = 0.1, 0.7
+# shares of their rates at which reactions are tried where they find no state, and the
+# factors of the way from there, the first and the least
+SLOW = (0.1, 0.01)
+FASTER, LEAST_FASTER = 3.0, 1.05
 STEPS = 120  # of the march in time
 GROWTH, SHORTER = 1.6, 0.25  # of its steps
 MOST_FAILURES = 15  # in a row, after which steps are 1e-9 of the first
@@ -324,7 +329,14 @@ def first(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
         if problem.scene.mesh.cells is not None:
             raise
     finer = problem.on(halves(problem))
-    return on_cells(finer, moved(problem, u, finer), report)
+    try:
+        return on_cells(finer, moved(problem, u, finer), report)
+    except ConvergenceError:
+        if not problem.reactions:
+            raise
+        with suppress(ConvergenceError):
+            return followed_from_slow(problem, u, report)
+        raise
 
 
 def on_cells(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
@@ -463,6 +475,45 @@ def grown(problem: Problem, u: Array, report: Report) -> Array:
         u, strength = found, trial
         step *= 2.5
     return u
+
+
+def followed_from_slow(
+    problem: Problem, u: Array, report: Report
+) -> tuple[Problem, Array]:
+    """Return a steady state followed from that of slow reactions, on cells that shrink
+    where their fronts become narrow.
+
+    Raises
+    ------
+    ConvergenceError : no state of slow reactions is found, or it cannot be followed
+    """
+    for strength in SLOW:
+        try:
+            done, u = on_cells(problem.with_strength(strength), u, report)
+        except ConvergenceError:
+            if strength == SLOW[-1]:
+                raise
+            continue
+        break
+    factor = FASTER
+    while strength < 1.0:
+        above = min(1.0, factor * strength)
+        trial = done.on(next_cells(done, u)[0]).with_strength(above)
+        try:
+            with np.errstate(all="ignore"):
+                u = newton(
+                    trial,
+                    moved(done, u, trial),
+                    report,
+                    max_iterations=FIRST_ITERATIONS,
+                )
+        except ConvergenceError:
+            factor **= 0.5
+            if factor < LEAST_FASTER:
+                raise
+            continue
+        done, strength = trial, above
+    return done, u
 
 
 def what_leaves(problem: Problem, u: Array) -> Array:
