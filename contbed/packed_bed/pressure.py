@@ -32,9 +32,8 @@ from contbed.scene.gas import GasConstant
 from contbed.scene.toml_lines import parse_key
 
 GRAVITY = 9.81  # m/s2
-# change of the density by the drop, over itself, from which the drop is wrong by more
-# than half as much
-COMPRESSED = 0.1
+# change of the density by the drop, over itself: the drop is wrong by half as much, 2 %
+COMPRESSED = 0.04
 # change of the speed of fronts by the expansion of a fluid, and temperatures over which
 # it is summed
 EXPANDED, BETWEEN = 0.01, 65

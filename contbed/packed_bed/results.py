@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 TEMPERATURES = ("T_fluid", "T_solid")
 PASSED = ("inlet", "outlet")
+POINTS = 1001  # places and times at which a closed form is written
 APART = 0.01  # difference of theta at which the phases count as being in equilibrium
 
 
@@ -65,18 +66,30 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
         "u_max": float(speed.max()),
         "u_max_outlet": float(outlet.max(initial=0.0)),
     }
-    if straight:
-        drop = float(pressure[0] - pressure[-1])
-        gradient = _developed_gradient(line.whole.positions, pressure)
-        result.qoi |= {
-            "pressure_drop_Pa": drop * (1.0 if plan.velocity[axis] >= 0 else -1.0),
-            "pressure_gradient_Pa_m": gradient,
-        }
-        return
-    nodes = [of_pressure.on_facets(_facets(plan, kind)) for kind in PASSED]
-    if all(each.size for each in nodes):
-        entering, out = (float(flow.pressure[each].mean()) for each in nodes)
+    entering, out = (_mean_pressure(plan, flow, kind) for kind in PASSED)
+    if entering is not None and out is not None:
         result.qoi["pressure_drop_Pa"] = entering - out
+    if straight:
+        gradient = _developed_gradient(line.whole.positions, pressure)
+        result.qoi["pressure_gradient_Pa_m"] = gradient
+
+
+def _mean_pressure(plan: Plan, flow: Any, kind: str) -> float | None:
+    """Return the mean pressure over all boundaries of a kind of flow [Pa]; None where
+    there are none.
+    """
+    system = flow.system
+    parts = [
+        part
+        for name, role in plan.roles.items()
+        if role == kind
+        for part in system.boundary(name)
+    ]
+    if not parts:
+        return None
+    area = system.integrate(lambda u, o: 1.0 + 0.0 * u.p, parts, flow.state)
+    mean = system.integrate(lambda u, o: u.p, parts, flow.state) / area
+    return float(mean / flow.porosity)
 
 
 def _facets(plan: Plan, kind: str) -> Any:
@@ -519,12 +532,12 @@ def front_findings(
     plan: Plan, bed: Schumann, times: list[float], result: Result
 ) -> None:
     """Fill in profiles of a bed by its closed form, which begins where the stream
-    enters.
+    enters, and its outlet over time.
     """
     length = plan.scene.mesh.length  # type: ignore[union-attr]
     positions = np.unique(plan.scene.output.positions)
     if not len(positions):
-        positions = np.linspace(0.0, length, 1001)
+        positions = np.linspace(0.0, length, POINTS)
     along = length - positions if plan.velocity[0] < 0 else positions
     fluid, solid = (
         np.array(part)
@@ -541,4 +554,7 @@ def front_findings(
         times,
         result,
     )
-    result.qoi |= {"T_fluid_out_K": float(bed.at(length, times[-1])[0][0])}
+    every = np.union1d(np.linspace(0.0, times[-1], POINTS)[1:], times)
+    leaving = bed.at(length, every)[0]
+    result.tables["outlet"] = {"t [s]": every, "T_fluid_out [K]": leaving}
+    result.qoi |= {"T_fluid_out_K": float(leaving[-1])}

@@ -85,3 +85,9 @@ def test_a_long_bed_of_many_transfer_units():
     T_fluid = found.profiles["T_fluid [K]"]
     assert T_fluid == pytest.approx([298.135, 290.600, 283.174], abs=6e-4)
     assert abs(found.balances["energy"]["relative_residual"]) < 1e-12
+    # straight lines between the times that are written, a thousandth of the run apart
+    outlet = found.tables["outlet"]
+    hours = np.array([12.0790904, 13.4212116, 14.7633328])
+    between = np.interp(3600.0 * hours, outlet["t [s]"], outlet["T_fluid_out [K]"])
+    assert between == pytest.approx(T_fluid, abs=1e-9)
+    assert len(outlet["t [s]"]) > 1000
