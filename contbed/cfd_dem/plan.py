@@ -325,7 +325,21 @@ def _settle(
         quiet=quiet,
         engine=engine,
     )
-    return Particles(packing.position, packing.radius)
+    return Particles(_wrapped(packing.position, packing.radius, table), packing.radius)
+
+
+def _wrapped(position: Any, radius: Any, table: GasParticles) -> Any:
+    """Return centres, of which those that are beyond a periodic side by less than a
+    radius enter by the side opposite.
+    """
+    if not table.periodic:
+        return position
+    position, widths = position.copy(), np.array(table.width)
+    sides = position[:, : len(widths)]
+    beyond = np.maximum(-sides, sides - widths)
+    passed = (beyond > 0.0) & (beyond < np.reshape(radius, (-1, 1)))
+    sides[passed] = np.mod(sides, widths)[passed]
+    return position
 
 
 def read(table: GasParticles, solid: GasSolid, base: Path) -> Particles:
@@ -337,8 +351,9 @@ def read(table: GasParticles, solid: GasSolid, base: Path) -> Particles:
     assert table.file is not None
     found = read_particles(base / table.file, solid.radius)
     velocity = 0.0 if table.fixed or found.velocity is None else found.velocity
+    x = found.x - (0.0 if found.low is None else found.low)
     return Particles(
-        found.x - (0.0 if found.low is None else found.low),
+        _wrapped(x, found.radius, table),
         found.radius,
         velocity=velocity,
     )

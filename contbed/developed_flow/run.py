@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.developed_flow.equations import reach_of_fluctuations
+from contbed.developed_flow.equations import reach_of_fluctuations, uniform_fraction
 from contbed.developed_flow.problem import (
     START_SPECULARITY,
     START_THETA,
@@ -36,6 +36,7 @@ SHORT_REACH = 0.01
 # have 0.02, and their pressure falls to 0 on the way to turbulent gas
 SHORT_REACH_TURBULENT = 0.05
 LEAST_STOKES = 1.0  # below which drag stops particles sooner than shear moves them
+FAR = 3.0  # mean free path over the radius, up to which flows are found
 # factors on a granular temperature from which no solution is found
 GUESSES = (0.01, 0.1, 10.0)
 
@@ -144,6 +145,15 @@ def advice(problem: DevelopedProblem) -> str:
             "it drag stops the fluctuations of "
             f"particles of {c.d_p:g} m away from walls, and no fraction carries the "
             f"pressure; or {_tries(problem)}"
+        )
+    free = c.d_p / (6.0 * 2.0**0.5 * uniform_fraction(c))
+    if free > FAR * c.radius:
+        return (
+            f"the mean free path of the particles between collisions, {free:.2g} m, is far "
+            "above the radius: they meet the wall more often than each other, which the "
+            "kinetic theory of this model does not describe; the pressure gradient "
+            "without particles, solids_mass_flux = 0, and their weight are a good "
+            "estimate"
         )
     if smooth:
         return (

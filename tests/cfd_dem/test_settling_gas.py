@@ -2,9 +2,11 @@
 restart.
 """
 
+import numpy as np
 import pytest
 
 import contbed as cb
+from contbed.cfd_dem.plan import _wrapped
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.materials.constants import fluid_of
@@ -136,3 +138,16 @@ def test_cells_smaller_than_particles_are_told(cell, axes):
         for text in told
         if "needs several particles" in text
     ] == axes
+
+
+def test_centres_beyond_a_periodic_side_enter_by_the_other():
+    """Those less than a radius beyond; others are refused as in a box with walls."""
+    scene = loads(SCENE.replace("count = 60", "count = 60, periodic = true"))
+    table = scene.particles
+    width, radius = table.width[0], scene.solid.radius
+    x = np.array([[-1e-9, 0.0, 0.0], [width + 1e-9, 0.0, 0.0], [-2.0 * radius, 0, 0]])
+    found = _wrapped(x, radius, table)
+    assert found[:, 0] == pytest.approx([width, 0.0, -2.0 * radius], abs=2e-9)
+    assert found[0, 0] <= width and found[1, 0] >= 0.0
+    walls = table.model_copy(update={"periodic": False})
+    assert _wrapped(x, radius, walls) is x

@@ -10,6 +10,7 @@ import pytest
 
 import contbed as cb
 from contbed.developed_flow import equations as model
+from contbed.developed_flow.equations import uniform_fraction
 from contbed.developed_flow.problem import DevelopedProblem
 from contbed.developed_flow.run import advice
 from contbed.errors import ConvergenceError
@@ -118,6 +119,19 @@ def test_advice_for_particles_in_turbulent_gas():
     """The flat profile of the gas shears few particles: their pressure falls to 0."""
     text = advice(DevelopedProblem(plan(conveyed())))
     assert text.startswith('name closures.granular_production = "granular_prod')
+
+
+def test_advice_for_few_particles():
+    """They fly d/(6 sqrt(2) eps_s) between collisions, many times the radius."""
+    named = conveyed(granular_production="granular_production_koch")
+    few = with_value(named, ("developed_flow", "solids_mass_flux"), 0.5)
+    problem = DevelopedProblem(plan(few))
+    apart = problem.c.d_p / (6.0 * 2.0**0.5 * uniform_fraction(problem.c))
+    assert apart > 3.0 * problem.c.radius
+    assert advice(problem).startswith(
+        f"the mean free path of the particles between collisions, {apart:.2g} m, is far"
+    )
+    assert "free path" not in advice(DevelopedProblem(plan(named)))
 
 
 @pytest.mark.slow
