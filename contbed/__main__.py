@@ -29,9 +29,14 @@ def main() -> int:
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.disable()
+    code = 1
     try:
-        return _command()
+        code = _command()
+        return code
     finally:
+        # an error keeps states of CoolProp, which complains when Python ends
+        if code and "CoolProp" in sys.modules:
+            gc.collect()
         gc.freeze()
 
 

@@ -4,6 +4,8 @@ with file, line and a way out.
 """
 
 import re
+import subprocess
+import sys
 import time
 import zipfile
 from pathlib import Path
@@ -88,6 +90,14 @@ def test_check_reads_the_files_of_a_scene(capsys):
     for name, message in expected.items():
         assert main(["check", str(FOLDER / name)]) == 2
         assert re.search(re.escape(name) + message, capsys.readouterr().err), name
+
+
+def test_an_error_of_coolprop_is_one_line():
+    """CoolProp tells of states that an error keeps until Python ends."""
+    command = [sys.executable, "-m", "contbed", "check", str(FOLDER / "therm.toml")]
+    told = subprocess.run(command, capture_output=True, text=True)
+    assert told.returncode == 2
+    assert len(told.stderr.splitlines()) == 1
 
 
 def test_a_table_in_latin_1():
