@@ -9,7 +9,8 @@ bounds:
                 others, see `equations.bed`.
     in time     Solids at rest know nothing of each other: at nodes that would fall below zero reactions take in
                 neither stage more than there is, n/((1 - gamma) dt) and what is left/(gamma dt),
-                see `equations.consumption_limit`.
+                see `equations.consumption_limit`. Where a solid is used up reactions
+                begin the next step ended: else the gas would react there again for a moment.
 
 Neither takes anything from a balance, and where no amount falls below zero a step is
 that without bounds to the last bit. A step for which no bounds are found is made
@@ -126,8 +127,10 @@ def bounded(
     damping: Array,
     near: Array | None = None,
     kept: bool = False,
+    used_up: bool = False,
 ) -> Bounded:
-    """Return a step from a state, begun with a damping (m, N); for others see `stages`.
+    """Return a step from a state, begun with a damping (m, N), and where solids at rest
+    are `used_up` with ended reactions; for others see `stages`.
 
     A step whose error is larger than `time.tolerance`, and that damping will not make
     smaller, is returned at once, but where its length is `kept`.
@@ -141,20 +144,26 @@ def bounded(
     below, flat = -scene.solver.newton_tolerance, flattening(problems[1], dt)
     rest, least = at_rest(problems[1])[:, None, None], 0.0
     trial = _damped(problems, damping)
-    first, last, error = stages(trial, u, guess, dt, report, sizes, near=near)
+    there = along(trial[1], u)
+    ended = rest & (there < -below) & used_up
+    empty = bool(ended.any())
+    first, last, error = stages(
+        trial, u, guess, dt, report, sizes, ended if empty else None, near
+    )
     look = _Look.at(trial, (first, last))
     if rest.any():
-        beyond = np.minimum(along(trial[1], u), 0.0) - look.nodes
+        beyond = np.minimum(there, 0.0) - look.nodes
         least = float(np.where(rest, beyond, 0.0).max()) ** 2
-    start = Bounded(trial, (first, last), max(error, least), damping, False, False)
+    start = Bounded(trial, (first, last), max(error, least), damping, empty, False)
     stored = problems[1].bed.gas_pressure is not None
     falls = stored and bool(((look.low < below) & (flat > 0.0)).any())
     if not kept and (least if falls else start.error) > scene.time.tolerance:
         return start
     take = partial(stages, u=u, guess=guess, dt=dt, report=report, sizes=sizes)
-    found, chosen = _within(problems, take, start, look, dt, least, True)
+    within = partial(_within, problems, take, start, ended, look, dt, least)
+    found, chosen = within(True)
     if chosen and not found.within:
-        other, _ = _within(problems, take, start, look, dt, least, False)
+        other, _ = within(False)
         return other if other.within else found
     return found
 
@@ -163,6 +172,7 @@ def _within(
     problems: Problems,
     take: Callable[..., tuple[Array, Array, float]],
     found: Bounded,
+    ended: NDArray[np.bool_],
     look: _Look,
     dt: float,
     least: float,
@@ -173,15 +183,14 @@ def _within(
 
     A solid below zero makes the gas that it reacts with, and a gas below zero takes the
     solid that it makes: which of both comes first is tried where the other way does not
-    help. `take` takes the step of dt [s] with a damping and ended reactions, `least` is
-    the least error.
+    help. `take` takes the step of dt [s] with a damping and `ended` reactions, `least`
+    is the least error.
     """
     flat = flattening(problems[1], dt)
     below = -problems[1].scene.solver.newton_tolerance
     rest = at_rest(problems[1])[:, None, None]
     stored = problems[1].bed.gas_pressure is not None
     damping, without = found.damping, found.error
-    ended = np.zeros(found.states[1].shape, dtype=bool)
     before = np.zeros_like(damping)
     chosen = False
     for _ in range(TRIALS):

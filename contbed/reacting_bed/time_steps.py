@@ -159,6 +159,7 @@ class BedSteps(TimeSteps[BedHistory]):
                 history.damping,
                 self._near(course, history, size),
                 repeated,
+                history.steps_limited > 0,
             )
             if found.error <= tolerance and course.rounds:
                 states = (u, found.states[1])

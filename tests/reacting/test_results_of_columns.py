@@ -167,6 +167,24 @@ def test_a_guard_bed_breaks_through_when_its_solid_is_used_up():
     assert qoi["conversion_A"] > 0.9
 
 
+def test_a_rate_that_does_not_know_its_solid_ends_with_it():
+    """Of first order in the gas alone: a front of 1/10 of the bed moves as fast as the
+    gas uses up the solid, v = u c_0/n_0, from the time at which that of the inlet is
+    gone, n_0/(k c_0), and c = c_0 exp(-k z/u) ahead of it, over a length that is 8 %
+    longer in cells of one value: ln(1 + k h/u) instead of k h/u.
+    """
+    cells = GUARD.replace("cells = 8", "cells = 60") + "\n[solver]\ndegree = 0\n"
+    qoi = at_rest(cells, "9e7 s", "A + G -> B", "k*c_G", "0.665 1/s")
+    moles = 1e5 / (R_GAS * 400.0)
+    u, c, n, k = 2.0 / moles, 1e-4 * moles, 0.6 * 1000.0 / 0.05, 0.665
+    shares = np.array([0.05, 0.5])
+    times = n / (k * c) + (1.0 + u / k * np.log(shares)) * n / (u * c)
+    found = [qoi["breakthrough_5_G_s"], qoi["breakthrough_50_G_s"]]
+    assert found == approx(times.tolist(), rel=0.04)
+    assert qoi["conversion_A"] > 1.0 - 1e-9
+    assert qoi["time_steps"] < 3000  # 1e9 where each begins with a moment of reaction
+
+
 def test_the_conversion_of_a_solid_at_rest():
     """Of first order in what is left: 1 - exp(-k t)."""
     alike = GUARD.replace(
