@@ -41,7 +41,7 @@ def missed_layers(plan: Any) -> Iterator[str]:
     """Yield a warning where the pressure drop is too high by what the cells at walls
     lack.
     """
-    if not isinstance(plan.scene.mesh, MeshFile):
+    if plan.plug or not isinstance(plan.scene.mesh, MeshFile):
         return
     walls = [name for name, kind in plan.roles.items() if kind == "no_slip"]
     layer = min(wall_layers(plan.scene, plan.medium, *velocities(plan.scene)))
@@ -83,7 +83,7 @@ def heat_at_once(plan: Any) -> Iterator[str]:
         depth = float(np.mean(_heights(plan.mesh, name)))
         held = OF_NODES[scene.solver.degree] * depth * capacity
         passed = 2.0 * (conductivity * capacity * scene.time.end / np.pi) ** 0.5
-        if held > AT_ONCE * passed:
+        if held > AT_ONCE * passed > 0.0:
             ratio = (1.0 + (held / passed) ** BETWEEN) ** (1.0 / BETWEEN)
             much = (
                 f"{ratio - 1.0:.0%} too high"

@@ -69,6 +69,9 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
     entering, out = (_mean_pressure(plan, flow, kind) for kind in PASSED)
     if entering is not None and out is not None:
         result.qoi["pressure_drop_Pa"] = entering - out
+    elif straight:  # through a closed vessel
+        along = 1.0 if plan.velocity[axis] >= 0 else -1.0
+        result.qoi["pressure_drop_Pa"] = along * float(pressure[0] - pressure[-1])
     if straight:
         gradient = _developed_gradient(line.whole.positions, pressure)
         result.qoi["pressure_gradient_Pa_m"] = gradient

@@ -51,11 +51,11 @@ def run(
     ConvergenceError : Newton or the time steps fail
     """
     _solve(plan, result, folder, quiet, start)
-    from contbed.packed_bed.missed_layers import heat_at_once, missed_layers
+    held = any(table.temperature is not None for table in plan.scene.boundary.values())
+    if not plan.plug or held:
+        from contbed.packed_bed.missed_layers import heat_at_once, missed_layers
 
-    if not plan.plug:
-        result.warnings += missed_layers(plan)
-    result.warnings += heat_at_once(plan)
+        result.warnings += [*missed_layers(plan), *heat_at_once(plan)]
     drop = result.qoi.get("pressure_drop_Pa")
     if drop is not None and (text := compressed(plan, drop)):
         result.warnings.append(text)
