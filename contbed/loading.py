@@ -71,7 +71,19 @@ def load(
     Raises
     ------
     SceneError : all mistakes, each with file and line
+    TypeError : overrides are no mapping
+
+    Examples
+    --------
+    >>> from contbed.models import MODELS
+    >>> scene = load(MODELS["packed_bed"].template, {"mesh.length": "1 m"})
+    >>> scene.mesh.length
+    1.0
     """
+    if not isinstance(overrides or {}, Mapping):
+        raise TypeError(
+            f'overrides = {overrides!r}: give {{"mesh.refine": 2}} or the like'
+        )
     if isinstance(source, Mapping):
         values, origin = deepcopy(dict(source)), Origin("scene", Path.cwd())
     else:

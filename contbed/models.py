@@ -372,5 +372,11 @@ def plan(scene: Any) -> Any:
     Raises
     ------
     SceneError : mesh, flow or closures of the scene cannot be used
+
+    Examples
+    --------
+    >>> from contbed.loading import load
+    >>> plan(load(MODELS["packed_bed"].template)).unknowns()["heat"] > 100
+    True
     """
     return model_of(scene).find("plan", "plan")(scene)

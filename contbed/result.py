@@ -142,12 +142,13 @@ class Result:
 
         return table(self.summary)
 
-    def write(self, out: Path) -> list[ContbedError]:
-        """Write tables, fields and plots into `out`; return the errors of parts that
-        cannot be written.
+    def write(self, out: str | Path) -> list[ContbedError]:
+        """Write tables, fields and plots into the folder `out`; return the errors of
+        parts that cannot be written.
         """
         from contbed.output.tables import write_table
 
+        out = Path(out)
         settings = self.plan.scene.output
         parts: dict[str, Callable[[], Any]] = {}
         # not every physics lets its profiles be left out

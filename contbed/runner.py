@@ -74,6 +74,14 @@ def run(
         has been written to `out`
     ContbedError : a file cannot be written, after all others have been; another run is
         writing to `out`
+
+    Examples
+    --------
+    >>> from contbed.loading import load
+    >>> from contbed.models import MODELS
+    >>> scene = load(MODELS["packed_bed"].template)
+    >>> f"{run(scene).qoi['T_fluid_out_K']:.1f}"
+    '911.4'
     """
     models.model_of(scene)
     with using(threads):

@@ -22,6 +22,7 @@ from contbed.arrays import Array
 from contbed.fem.probe import Line
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.schedule import ScheduleInterval, initial_temperatures
+from contbed.packed_bed.schumann import Schumann
 from contbed.result import Result
 from contbed.scene.mesh import power_units
 
@@ -83,6 +84,46 @@ def store_findings(
     whole, of_solid = line.whole, problem.system.fields["T_solid"][0]
     T = whole.probe(of_solid, problem.system.part(history.state, "T_solid"))
     thickness = thermocline(whole.positions, T, (low, high))
+    if thickness is not None:
+        result.qoi["thermocline_m"] = thickness
+    result.units |= power_units(result.qoi, plan.scene.mesh)
+
+
+def closed_store_findings(
+    plan: Plan, bed: Schumann, outlet: Array, heat: dict[str, float], result: Result
+) -> None:
+    """Add results of a store by its closed form.
+
+    Parameters
+    ----------
+    outlet : times [s] and temperatures of the fluid that leaves [K] (2, n)
+    heat : that entered and left with the stream and is stored [J]
+    """
+    times, leaving = np.insert(outlet, 0, (0.0, outlet[1, 0]), axis=1)
+    low, high = sorted((bed.inlet, bed.solid))
+    if high - low <= 0.0:
+        return
+    fluid, dead = plan.medium.fluid, plan.scene.packed_bed.dead_state
+    flow = float(
+        np.linalg.norm(plan.velocity) * plan.section * fluid.density(bed.inlet)
+    )
+    e_in, e_out = (
+        exergy(fluid.enthalpy, T, dead)
+        for T in (np.full(len(times), bed.inlet), leaving)
+    )
+    ends = fluid.enthalpy(np.array([low, high]))
+    part = Part(
+        heat["in"] - heat["out"],
+        0.0,
+        flow * float(ends[1] - ends[0]) * float(times[-1]),
+        flow * _over_time(e_in - e_out, times),
+        True,
+    )
+    volume = bed.length * plan.section
+    capacity = (bed.capacity_fluid + bed.capacity_solid) * volume * (high - low)
+    result.qoi |= exchanged([part]) | used([part], heat["stored"], capacity)
+    z = np.linspace(0.0, bed.length, len(times))
+    thickness = thermocline(z, bed.at(z, times[-1])[1], (low, high))
     if thickness is not None:
         result.qoi["thermocline_m"] = thickness
     result.units |= power_units(result.qoi, plan.scene.mesh)

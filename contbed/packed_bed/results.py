@@ -532,11 +532,17 @@ def transient_findings(
 
 
 def front_findings(
-    plan: Plan, bed: Schumann, times: list[float], result: Result
+    plan: Plan,
+    bed: Schumann,
+    times: list[float],
+    heat: dict[str, float],
+    result: Result,
 ) -> None:
     """Fill in profiles of a bed by its closed form, which begins where the stream
-    enters, and its outlet over time.
+    enters, its outlet over time, and what it stores of the `heat` of streams [J].
     """
+    from contbed.packed_bed.of_stores import closed_store_findings
+
     length = plan.scene.mesh.length  # type: ignore[union-attr]
     positions = np.unique(plan.scene.output.positions)
     if not len(positions):
@@ -561,3 +567,8 @@ def front_findings(
     leaving = bed.at(length, every)[0]
     result.tables["outlet"] = {"t [s]": every, "T_fluid_out [K]": leaving}
     result.qoi |= {"T_fluid_out_K": float(leaving[-1])}
+    x = np.linspace(0.0, length, POINTS)
+    enters, along = (-1, length - x) if plan.velocity[0] < 0 else (0, x)
+    pressure = along_bed(plan, x, bed.at(along, times[-1])[0]).pressure
+    result.qoi["pressure_drop_Pa"] = float(pressure[enters])
+    closed_store_findings(plan, bed, np.array([every, leaving]), heat, result)

@@ -273,7 +273,7 @@ def _schumann(plan: Plan, result: Result) -> None:
     result.balances["energy"] = Balance(
         heat["in"], heat["out"], "J", stored=heat["stored"]
     ).as_dict()
-    front_findings(plan, bed, sorted({*time.times, time.end}), result)
+    front_findings(plan, bed, sorted({*time.times, time.end}), heat, result)
 
 
 def _capacity(phase: Any) -> float:

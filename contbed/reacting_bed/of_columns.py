@@ -16,6 +16,7 @@ from contbed.reacting_bed.history import FLOW, BedHistory
 from contbed.reacting_bed.problem import Problem
 
 MIDDLE = 50
+FEW_CELLS = 3.5  # that a mass-transfer zone has which cells make
 LEVELS = (1, 5, MIDDLE, 95)  # percent of the mole fraction that enters
 MOMENTS = ((0.0, 0.5, 1.0), (1 / 6, 4 / 6, 1 / 6))  # and weights of Simpson's rule
 
@@ -84,6 +85,26 @@ def early_fronts(course: Course, found: Mapping[str, float]) -> list[str]:
         f"{scene.origin.place(('packed_bed', 'gas_storage'))}: the gas in the voids is "
         f"left out: fronts leave {delay:.3g} s early, {share:.2g} of "
         f'{early[0]}; give packed_bed.gas_storage = "stored"'
+    ]
+
+
+def narrow_zones(
+    course: Course, history: BedHistory, found: Mapping[str, float]
+) -> list[str]:
+    """Warn of mass-transfer zones that may be those of the cells, where these have one
+    value or are damped.
+    """
+    line = course.on(history).problem.line
+    longest = FEW_CELLS * float(line.h.max())
+    if line.degree and not history.damped.any():
+        return []
+    return [
+        f"{name} = {length:.3g} m is {length / float(line.h.max()):.2g} cells: where "
+        "nothing else spreads the front it shrinks with the cells, and breakthrough at "
+        "1 and 5 % comes later: give closures.dispersion_mass for the spread that beds "
+        "have, or more mesh.cells"
+        for name, length in found.items()
+        if name.startswith("mass_transfer_zone_") and length < longest
     ]
 
 

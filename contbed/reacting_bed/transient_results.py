@@ -12,7 +12,11 @@ from contbed.reacting_bed import results
 from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.history import BedHistory
-from contbed.reacting_bed.of_columns import column_findings, early_fronts
+from contbed.reacting_bed.of_columns import (
+    column_findings,
+    early_fronts,
+    narrow_zones,
+)
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import content
 from contbed.reacting_bed.swings import largest_swing, unresolved_front
@@ -48,6 +52,7 @@ def fill(course: Course, history: BedHistory, result: Result) -> None:
     result.tables["outlet"] = history.table()
     columns = column_findings(course, history)
     result.warnings += early_fronts(course, columns)
+    result.warnings += narrow_zones(course, history, columns)
     result.qoi |= columns
     result.qoi |= {
         "time_steps": history.steps,

@@ -27,7 +27,9 @@ from contbed.report.words import words
 FILE = "report.html"
 
 
-def write(folders: Sequence[Path], file: Path | None = None) -> Path:
+def write(
+    folders: str | Path | Sequence[str | Path], file: str | Path | None = None
+) -> Path:
     """Write the report of one or several runs, or of one other command that makes many,
     and return its file.
 
@@ -42,23 +44,25 @@ def write(folders: Sequence[Path], file: Path | None = None) -> Path:
     ContbedError : a folder holds no run, plotly is not installed, the file cannot be
         written, or another one that is no report stands in its place
     """
-    target = file or folders[0] / FILE
+    given = [folders] if isinstance(folders, str | Path) else folders
+    places = [Path(folder) for folder in given]
+    target = Path(file) if file else places[0] / FILE
     require_place(target)
     for study in STUDIES:
-        if any(map(study.is_in, folders)):
-            if len(folders) > 1:
+        if any(map(study.is_in, places)):
+            if len(places) > 1:
                 what = study.name
                 raise ContbedError(
-                    f"{folders[0]}: a report shows one {what}, or runs; give one "
+                    f"{places[0]}: a report shows one {what}, or runs; give one "
                     f"folder of a {what}"
                 )
-            text = study.report(folders[0])
+            text = study.report(places[0])
             break
     else:
         text = of_runs(
             [
                 read_run(folder, name)
-                for folder, name in zip(folders, _names(folders), strict=True)
+                for folder, name in zip(places, _names(places), strict=True)
             ]
         )
     write_text(target, text)

@@ -1,5 +1,7 @@
 """Breakthrough, mass-transfer zone and what cycles separate, against closed forms."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from adsorption_scenes import DENSITY, EPS, SPEED, TRACE, adsorber, constant_pattern
@@ -9,6 +11,7 @@ from solving import solved
 
 from contbed.loading import loads
 from contbed.particle.uptake import breakthrough
+from contbed.reacting_bed.of_columns import narrow_zones
 from tests.scene_text import set_keys
 
 LEVELS = np.array([1.0, 5.0, 50.0, 95.0])
@@ -183,6 +186,21 @@ def test_a_rate_that_does_not_know_its_solid_ends_with_it():
     assert found == approx(times.tolist(), rel=0.04)
     assert qoi["conversion_A"] > 1.0 - 1e-9
     assert qoi["time_steps"] < 3000  # 1e9 where each begins with a moment of reaction
+
+
+def test_a_zone_of_the_length_of_cells_is_a_warning():
+    """Cells of one value, or damped ones; polynomials resolve a front of two cells."""
+    line = SimpleNamespace(h=np.full(30, 0.01), degree=0)
+    course = SimpleNamespace(on=lambda _: course, problem=SimpleNamespace(line=line))
+    history = SimpleNamespace(damped=np.zeros(30, dtype=bool))
+    zone = {"mass_transfer_zone_G_m": 0.02, "breakthrough_5_G_s": 1.0}
+    (text,) = narrow_zones(course, history, zone)
+    assert text.startswith("mass_transfer_zone_G_m = 0.02 m is 2 cells")
+    assert not narrow_zones(course, history, {"mass_transfer_zone_G_m": 0.04})
+    line.degree = 3
+    assert not narrow_zones(course, history, zone)
+    history.damped[4] = True
+    assert narrow_zones(course, history, zone)
 
 
 def test_the_conversion_of_a_solid_at_rest():

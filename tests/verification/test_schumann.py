@@ -91,3 +91,45 @@ def test_a_long_bed_of_many_transfer_units():
     between = np.interp(3600.0 * hours, outlet["t [s]"], outlet["T_fluid_out [K]"])
     assert between == pytest.approx(T_fluid, abs=1e-9)
     assert len(outlet["t [s]"]) > 1000
+
+
+ROCKS = """
+mesh = { type = "line", length = 3.0 }
+gas = { density = 1.0, viscosity = 2.1e-5, heat_capacity = 1008.0, conductivity = 0.03 }
+packed_bed.porosity = 0.42
+heat = {}
+closures = { nusselt = 50.0, conductivity_gas = 0.0, conductivity_solids = K }
+initial.temperature = "20 degC"
+time.end = "1.75 h"
+[solids.rock]
+diameter = 0.04
+density = 2600.0
+heat_capacity = 850.0
+conductivity = 2.5
+[boundary.left.gas]
+velocity = 0.3
+temperature = "120 degC"
+"""
+
+
+def test_a_store_has_the_results_of_one_that_hardly_conducts():
+    """Pressure drop, heat, exergy and thermocline: a conductivity of 1e-3 W/m/K changes
+    them by less than the error of 1e-4 of its steps, and that of straight lines between
+    the places of a thermocline.
+    """
+    closed, solved = (
+        contbed.run(loads(ROCKS.replace("K }", f"{k} }}"))).qoi for k in ("0.0", "1e-3")
+    )
+    for name in (
+        "pressure_drop_Pa",
+        "T_fluid_out_K",
+        "heat_charged_J",
+        "heat_stored_J",
+        "effectiveness_charge",
+        "exergy_charged_J",
+        "storage_capacity_J",
+        "utilisation",
+        "thermocline_m",
+    ):
+        assert closed[name] == pytest.approx(solved[name], rel=1e-3), name
+    assert closed["heat_lost_J"] == 0.0

@@ -98,6 +98,15 @@ def gradient(
     ------
     SceneError : a key has no derivative, a result does not exist; with the nearest name
     ContbedError : the scene, or the scene with a key a little changed, cannot be solved
+
+    Examples
+    --------
+    >>> from contbed.loading import load
+    >>> from contbed.models import MODELS
+    >>> scene = load(MODELS["packed_bed"].template)
+    >>> found = gradient(scene, "T_fluid_out_K", "boundary.left.gas.temperature")
+    >>> f"{found.derivatives[0, 0]:.3f}"  # K of the outlet for one of the inlet
+    '0.112'
     """
     qoi, keys = several(qoi), several(keys)
     require_possible(scene, qoi, keys)
