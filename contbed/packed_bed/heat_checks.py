@@ -75,8 +75,8 @@ def heat_alone_uses_temperatures(
             if varies and phase == "fluid" and condition.temperature is not None:
                 known = True
             else:
-                key = () if condition.temperature is None else ("temperature",)
-                yield key_of(boundary, name, phase, *key), remedy
+                at = ("temperature",) if condition.temperature is not None else ()
+                yield key_of(boundary, name, phase, *at), remedy
     if varies and inlet is not None and not known:
         yield (
             ("boundary", inlet[0], "gas", "temperature"),

@@ -28,7 +28,7 @@ DOUBTED, REFUSED = 1.5, 10.0  # factors on a bound beyond which a run warns, and
 EXPANSION = 3.0
 # frictional pressure at the start over the weight, and change of the solids fraction,
 # above which a bed that expands warns
-LAID, SETTLED = 2.0, 0.01
+LAID, SETTLED = 2.0, 0.002
 REMEDY = (
     "the run is not stable: leave out time.step or lower it, lower time.courant, "
     "or refine the mesh"
@@ -228,7 +228,7 @@ def _laid_too_densely(scene: t.TwoFluidScene, bed: Simulation) -> Iterator[str]:
         yield (
             f"initial.solids.{name}.volume_fraction = {laid:g}: particles laid so densely "
             f"push each other apart by {pressure:.3g} Pa, while the bed weighs "
-            f"{weight:.3g} Pa: it has expanded to {now:.3f}; begin with that, or for a "
+            f"{weight:.3g} Pa: it has expanded to {now:.4f}; begin with that, or for a "
             f"bed that stays give a larger solids.{name}.packing_limit"
         )
 
