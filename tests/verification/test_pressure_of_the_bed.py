@@ -4,6 +4,7 @@ conserved, properties along the bed.
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from contbed.closures import pressure_gradient_ergun
 from contbed.fem.ad.dual import Components
 from contbed.fem.elements import Space
 from contbed.loading import from_dict, loads
+from contbed.models import MODELS
 from contbed.packed_bed.equations.porous_flow import Coefficients
 from contbed.packed_bed.flow import Flow, LocalProperties, flow_equations
 from contbed.packed_bed.plan import plan
@@ -580,3 +582,44 @@ def test_the_drop_of_a_bed_that_widens_is_that_of_mean_pressures(tmp_path):
     middle = p[order][np.abs(space.points[1, order]).argmin()]
     assert result.qoi["pressure_drop_Pa"] == pytest.approx(mean, rel=2e-3)
     assert abs(middle / mean - 1.0) > 0.01
+
+
+BLOCK = """
+mesh = { type = "line", length = 0.5 }
+gas = { density = 1.2, viscosity = 1.8e-5, heat_capacity = 1000, conductivity = 0.026 }
+packed_bed.porosity = 0.5
+closures = { permeability = 1e-8, forchheimer = 0.6, nusselt = 10 }
+heat = {}
+boundary.left.gas = { velocity = 2.0, temperature = 300.0 }
+[solids.block]
+diameter = 5e-3
+density = 2500
+heat_capacity = 800
+conductivity = 1
+"""
+
+
+def test_the_drop_of_a_porous_block_with_heat():
+    """Darcy's 1800 Pa and Forchheimer's 14400 Pa; nothing heats the gas."""
+    result = cb.run(loads(BLOCK))
+    assert result.qoi["pressure_drop_Pa"] == approx(16200.0, rel=1e-12)
+    assert result.qoi["T_fluid_out_K"] == approx(300.0, abs=1e-9)
+
+
+def test_the_template_without_heat_is_the_drop_alone():
+    """Ergun's drop at the velocity relative to the particles, which sink at 0.5 mm/s:
+    the superficial velocity of the gas less porosity times theirs.
+    """
+    text = MODELS["packed_bed"].template.read_text(encoding="utf-8")
+    for table in ("heat", "closures"):
+        text = re.sub(rf"(?ms)^\[{table}\].*?(?=^\[)", "", text)
+    text = re.sub(r"(?m)^.*temperature = .*$", "", text)
+    result = cb.run(loads(text))
+    w = 0.5 + 0.4 * 0.3e-3 / 0.6
+    lost = pressure_gradient_ergun(u=w, eps=0.4, d_p=0.04, mu=2e-5, rho=0.5)
+    assert result.qoi["pressure_drop_Pa"] == approx(0.6 * float(lost), rel=1e-9)
+    refused(
+        r"boundary\.left\.gas\.temperature = 300\.0: has no meaning without a \[heat\] table",
+        loads,
+        text.replace("gas.velocity", "gas.temperature = 300.0\ngas.velocity"),
+    )

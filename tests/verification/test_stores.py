@@ -1,14 +1,19 @@
 """Results of stores of heat against balances, closed forms and hand calculations."""
 
 from math import erf, log
+from pathlib import Path
 
+import cantera as ct
 import numpy as np
+import pytest
 from pytest import approx
+from scipy.integrate import trapezoid
 
 import contbed as cb
 from contbed.loading import loads
 from contbed.packed_bed.of_stores import Part, exchanged, exergy, thermocline, used
 
+FIRST_HOUR = Path(__file__).parents[1] / "data" / "first_hour"
 # a liquid through rock: 0.6 m long; the front moves at u C_f / (eps C_f + (1-eps) C_s)
 EPS, SPEED, FLUID, SOLID = 0.4, 1e-3, 4e6, 2e6
 STORE = f"""
@@ -146,3 +151,30 @@ def test_a_round_bed_whose_inlet_temperature_changes():
     q = cb.run(loads(text)).qoi
     flow = SPEED * np.pi * 0.01
     assert q["heat_charged_J"] == approx(100.0 * flow * FLUID * 50.0, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_a_rock_store_of_a_newcomer():
+    """A day of air of 450 degC, whose flow changes in steps: what streams leave, lose and hold
+    closes, and heat charged is the enthalpy of what enters less that of what leaves, by
+    Cantera, with the trapezoidal rule over the steps.
+    """
+    result = cb.run(cb.load(FIRST_HOUR / "store.toml"))
+    qoi = result.qoi
+    assert qoi["heat_stored_J"] == approx(
+        qoi["heat_charged_J"] - qoi["heat_discharged_J"] - qoi["heat_lost_J"],
+        rel=1e-6,
+    )
+    assert 0.5 < qoi["storage_efficiency"] < 1.0
+    air = ct.Solution("air.yaml")
+    air.TPX = 723.15, ct.one_atm, "N2:0.79, O2:0.21"
+    hot, flow = air.enthalpy_mass, air.density * np.pi * 0.8**2 * 0.12
+    outlet = result.tables["outlet"]
+    t, T = (np.array(outlet[name]) for name in ("t [s]", "T_fluid_out [K]"))
+    first = t <= 8 * 3600.0
+    left = []
+    for each in T[first]:
+        air.TP = each, ct.one_atm
+        left.append(hot - air.enthalpy_mass)
+    charged = trapezoid(flow * np.array(left), t[first])
+    assert qoi["heat_charged_J"] == approx(charged, rel=0.01)
