@@ -31,6 +31,7 @@ from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import (
     KeyPath,
     Origin,
+    dotted,
     parse,
     parse_key,
     read,
@@ -316,6 +317,8 @@ def _validate(
         path, text = translate(error, current, schema.of(model))
         if len(path) == 1 and error["type"] == "extra_forbidden":
             text = model.refused.get(str(path[0]), text)
+        if error["type"] == "union_tag_invalid" and dotted(path) in model.refused:
+            text = f"{text}: {model.refused[dotted(path)]}"
         if not (former and error["type"] == "missing"):
             problems.append((path, text))
         # A misspelt table is not an absent one: what it breaks is reported once.

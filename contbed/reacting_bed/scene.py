@@ -306,9 +306,11 @@ class ReactingScene(SceneBase):
 
     kind: ClassVar[str] = "reacting_bed"
     refused: ClassVar[Mapping[str, str]] = {
+        "gas.model": "gases with species are ideal; liquids and real fluids are for beds "
+        "without species, reactions and adsorption",
         "radiation": "a bed with species takes radiation by its conductivity, such as "
         'closures.conductivity_solids = { name = "zehner_bauer_schluender", '
-        "emissivity = 0.8 }"
+        "emissivity = 0.8 }",
     }
 
     mesh: MeshLine

@@ -169,3 +169,8 @@ def test_a_plan_says_what_fronts_shorter_than_a_cell_cost():
     assert advice in str(plan(from_dict(scene_of(ROLL_UP))))
     for changes in ({"mesh.cells": 80}, {"solver.degree": 0}):
         assert advice not in str(plan(from_dict(scene_of(ROLL_UP, changes))))
+
+
+def test_a_liquid_says_that_it_carries_no_species():
+    with pytest.raises(SceneError, match=r"cantera, .*gases with species are ideal"):
+        contbed.load(FOLDER / "pure.toml", {"gas.model": "coolprop"})
