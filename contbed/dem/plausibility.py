@@ -13,6 +13,8 @@ from contbed.dem.heat import Paths
 
 # porosities of packings scatter by as much, and the bounds with them
 MARGIN = 0.01
+# share of radiation in the heat above which a run warns of its error
+MUCH_RADIATION = 0.25
 
 
 def judge(
@@ -43,4 +45,16 @@ def judge(
         "k_eff/k_fluid by conduction is outside of the Hashin-Shtrikman bounds of any "
         f"isotropic bed of this porosity: {', '.join(outside)} times k_fluid; "
         f'particles.paths = "{paths}" misses there, {advice}'
+    ]
+
+
+def of_radiation(share: float) -> list[str]:
+    """Warn of the error of radiation where it is much of the heat."""
+    if share < MUCH_RADIATION:
+        return []
+    return [
+        f"radiation is {share:.0%} of the heat: particles exchange it with neighbours "
+        "within 1.5 diameters by one mean view, which is some 25 % off for lattices of "
+        "black spheres, above or below; compare "
+        "conductivity_zehner_bauer_schluender or a measurement"
     ]

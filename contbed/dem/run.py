@@ -74,6 +74,7 @@ def _conduct(plan: ParticlePlan, result: Result, folder: Path | None) -> None:
         result.warnings += plausibility.judge(
             judged, plan.porosity, scene.particles.paths, _radii(plan).ndim == 0
         )
+    result.warnings += plausibility.of_radiation(result.qoi.get("share_radiation", 0.0))
 
 
 def _pairs(plan: ParticlePlan) -> heat.Pairs:

@@ -113,10 +113,10 @@ def neighbours_by_cell(
 @inner(**OPTIONS)
 def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]:
     """Return the number of the pair of each cell, and of pairs; without a strong
-    link to a free cell it is alone.
+    link to a free cell it is alone, and all cells without any link are one group.
     """
     count = len(start) - 1
-    group, found = np.full(count, -1), 0
+    group, found, apart = np.full(count, -1), 0, -1
     for c in range(count):
         if group[c] >= 0:
             continue
@@ -125,6 +125,12 @@ def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]
             strongest = max(strongest, value[j])
             if group[beside[j]] < 0 and value[j] > best:
                 best, partner = value[j], beside[j]
+        if strongest == 0.0:
+            # smoothing solves for them; coarse levels would never be without them
+            if apart < 0:
+                apart, found = found, found + 1
+            group[c] = apart
+            continue
         group[c] = found
         if best >= STRONG_CONNECTION * strongest and partner >= 0:
             group[partner] = found

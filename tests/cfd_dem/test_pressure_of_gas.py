@@ -7,6 +7,7 @@ import pytest
 
 from contbed.cfd_dem.grid import OUTLET, Grid
 from contbed.cfd_dem.pressure import Pressure
+from contbed.solvers.aggregation import COARSEST
 
 TOLERANCE = 1e-12
 
@@ -60,6 +61,22 @@ def test_cells_that_hold_no_gas_are_left_out():
     wanted = dense(grid, conductance, source)
     assert p == pytest.approx(wanted, abs=1e-8 * np.abs(wanted).max())
     assert (p[blocked.ravel()] == 0.0).all()
+
+
+def test_many_cells_that_hold_no_gas_end_the_levels():
+    """More cells without links than the coarsest level has: they are one group there,
+    or levels would have no end.
+    """
+    blocked = np.zeros((7, 6, 8), bool)
+    blocked[1:6, 1:5, 1:7] = True
+    assert blocked.sum() > COARSEST
+    grid, conductance, source = equation(blocked.shape, (False, False), 2, blocked)
+    p, iterations = Pressure(grid).solve(
+        np.zeros(grid.cells), conductance, source, TOLERANCE
+    )
+    wanted = dense(grid, conductance, source)
+    assert 0 <= iterations < 40
+    assert p == pytest.approx(wanted, abs=1e-8 * np.abs(wanted).max())
 
 
 def test_a_good_guess_takes_no_iteration():

@@ -127,7 +127,9 @@ def test_layers_of_a_periodic_dump_are_its_cell(folder):
 
 def test_radiation_adds_to_the_conductivity(folder):
     cold = cb.run(loads(BED, base=folder)).qoi
-    hot = cb.run(loads(RADIATING, base=folder)).qoi
+    radiating = cb.run(loads(RADIATING, base=folder))
+    hot = radiating.qoi
+    assert any("within 1.5 diameters" in text for text in radiating.warnings)
     assert hot["k_eff [W/m/K]"] > cold["k_eff [W/m/K]"]
     assert hot["share_radiation"] > 0.5 and "share_radiation" not in cold
 
