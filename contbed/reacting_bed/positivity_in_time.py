@@ -144,15 +144,16 @@ def bounded(
     below, flat = -scene.solver.newton_tolerance, flattening(problems[1], dt)
     rest, least = at_rest(problems[1])[:, None, None], 0.0
     trial = _damped(problems, damping)
-    there = along(trial[1], u)
-    ended = rest & (there < -below) & used_up
+    ended = np.zeros(u.shape, dtype=bool)
+    if used_up:
+        ended |= rest & (along(trial[1], u) < -below)
     empty = bool(ended.any())
     first, last, error = stages(
         trial, u, guess, dt, report, sizes, ended if empty else None, near
     )
     look = _Look.at(trial, (first, last))
     if rest.any():
-        beyond = np.minimum(there, 0.0) - look.nodes
+        beyond = np.minimum(along(trial[1], u), 0.0) - look.nodes
         least = float(np.where(rest, beyond, 0.0).max()) ** 2
     start = Bounded(trial, (first, last), max(error, least), damping, empty, False)
     stored = problems[1].bed.gas_pressure is not None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -35,9 +35,9 @@ BEYOND = 1.5
 LEAST_ATOMS = 1e-15
 # share of the heat of reactions that is released where a bed has a hot spot
 LEAST_RELEASED = 1e-3
-# temperature above 298.15 K [K] of which streams carry heat at least: rounding of
-# enthalpies with heats of formation is not measured by less
-LEAST_WARM = 1.0
+# that streams carry at least [J/mol], of a gas 1 K above 298.15 K: rounding of enthalpies
+# with heats of formation is not measured by less
+LEAST_HEAT = 30.0
 BETWEEN = 2  # positions of profiles inside of each cell
 
 
@@ -400,15 +400,16 @@ def atoms_of(problem: Problem) -> dict[str, Array]:
 
 
 def heat_carried(problem: Problem, u: Array) -> float:
-    """Return the heat above 298.15 K of all streams that enter or leave, each at least
-    what it carries per LEAST_WARM, the measure of the energy balance [W/m2].
+    """Return the heat above 298.15 K of all streams that enter or leave, at least
+    LEAST_HEAT per mole, the measure of the energy balance [W/m2].
     """
     state = state_at_ends(problem, u)
     h = problem.bed.enthalpies
     total = 0.0
 
-    def heat(moles: Iterable[tuple[float, Any]], T: float) -> float:
-        return abs(sum(n * float(of(T) - of(T_STANDARD)) for n, of in moles))
+    def heat(moles: Sequence[tuple[float, Any]], T: float) -> float:
+        carried = sum(n * float(of(T) - of(T_STANDARD)) for n, of in moles)
+        return max(abs(carried), LEAST_HEAT * abs(sum(n for n, _ in moles)))
 
     for k in (0, 1):
         gases = [(at_end(g, k), h[name]) for name, g in state.g.items()]
@@ -420,8 +421,7 @@ def heat_carried(problem: Problem, u: Array) -> float:
                 (phase.velocity, part, T) for part in (moles, list(phase.inert))
             ]
         for v, moles, T in streams:
-            most = max(heat(moles, T), heat(moles, T_STANDARD + LEAST_WARM))
-            total += abs(v) * most
+            total += abs(v) * heat(moles, T)
     return max(total, 1e-300)
 
 
