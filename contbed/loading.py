@@ -317,8 +317,8 @@ def _validate(
         path, text = translate(error, current, schema.of(model))
         if len(path) == 1 and error["type"] == "extra_forbidden":
             text = model.refused.get(str(path[0]), text)
-        if error["type"] == "union_tag_invalid" and dotted(path) in model.refused:
-            text = f"{text}: {model.refused[dotted(path)]}"
+        if error["type"].startswith("union_tag") and dotted(path) in model.refused:
+            text = f"{text}; {model.refused[dotted(path)]}"
         if not (former and error["type"] == "missing"):
             problems.append((path, text))
         # A misspelt table is not an absent one: what it breaks is reported once.

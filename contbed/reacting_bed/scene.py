@@ -306,8 +306,8 @@ class ReactingScene(SceneBase):
 
     kind: ClassVar[str] = "reacting_bed"
     refused: ClassVar[Mapping[str, str]] = {
-        "gas.model": "gases with species are ideal; liquids and real fluids are for beds "
-        "without species, reactions and adsorption",
+        "gas.model": "species, reactions, adsorption and several solids take an ideal "
+        "gas; liquids and constant properties are for a bed of one solid without them",
         "radiation": "a bed with species takes radiation by its conductivity, such as "
         'closures.conductivity_solids = { name = "zehner_bauer_schluender", '
         "emissivity = 0.8 }",
