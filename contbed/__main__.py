@@ -29,13 +29,11 @@ def main() -> int:
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.disable()
-    code = 1
     try:
-        code = _command()
-        return code
+        return _command()
     finally:
-        # an error keeps states of CoolProp, which complains when Python ends
-        if code and "CoolProp" in sys.modules:
+        # cycles keep states of CoolProp, which complains of them when Python ends
+        if "CoolProp" in sys.modules:
             gc.collect()
         gc.freeze()
 
