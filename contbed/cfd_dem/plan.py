@@ -20,7 +20,7 @@ from contbed.cfd_dem.scene import GasParticles, GasScene, GasSolid, GasTube
 from contbed.cfd_dem.tubes import BedTube, beside, blocked
 from contbed.dem.contact import hertz_impact
 from contbed.dem.packing import SETTLED_OVERLAP, pack
-from contbed.dem.particle_files import read_particles
+from contbed.dem.particle_files import read_particles, wrapped
 from contbed.dem.particles import Material, Particles
 from contbed.dem.plan import particles_by
 from contbed.dem.simulation import LARGEST_OVERLAP, Simulation
@@ -338,7 +338,7 @@ def _wrapped(position: Any, radius: Any, table: GasParticles) -> Any:
     sides = position[:, : len(widths)]
     beyond = np.maximum(-sides, sides - widths)
     passed = (beyond > 0.0) & (beyond < np.reshape(radius, (-1, 1)))
-    sides[passed] = np.mod(sides, widths)[passed]
+    sides[passed] = wrapped(sides, 0.0, widths, True)[passed]
     return position
 
 

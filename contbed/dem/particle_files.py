@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -85,7 +85,12 @@ def _read(path: Path, radius: float | None, stamp: Stamp) -> FileParticles:
     velocity = np.stack(known, axis=1) if len(known) == 3 else None
     radii = frame.radius if radius is None else np.full(len(frame.x), radius)
     return FileParticles(
-        _wrapped(frame), radii, velocity, frame.low, frame.high, frame.periodic
+        wrapped(frame.x, frame.low, frame.high, frame.periodic),
+        radii,
+        velocity,
+        frame.low,
+        frame.high,
+        frame.periodic,
     )
 
 
@@ -96,14 +101,12 @@ def tells_radii(path: Path) -> bool:
     return dumps.is_dump(path) or has_radii(path)
 
 
-def _wrapped(frame: dumps.Frame) -> Array:
-    """Bring centres into the periodic sides; those that are inside stay as they are."""
-    turns = np.floor((frame.x - frame.low) / (frame.high - frame.low))
-    return np.where(
-        (turns != 0.0) & np.array(frame.periodic),
-        frame.x - turns * (frame.high - frame.low),
-        frame.x,
-    )
+def wrapped(x: Array, low: Any, high: Any, periodic: Any) -> Array:
+    """Bring centres x (n, d) into the periodic sides; those that are inside stay as
+    they are.
+    """
+    turns = np.floor((x - low) / (high - low))
+    return np.where((turns != 0.0) & np.array(periodic), x - turns * (high - low), x)
 
 
 def write_particles(path: Path | str, x: Array, columns: Mapping[str, Array]) -> None:

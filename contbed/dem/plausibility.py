@@ -9,7 +9,7 @@ from contbed.closures.conductivity_bounds import (
     conductivity_hashin_shtrikman_lower,
     conductivity_hashin_shtrikman_upper,
 )
-from contbed.dem.heat import Paths
+from contbed.dem.heat import VIEW, Paths
 
 # porosities of packings scatter by as much, and the bounds with them
 MARGIN = 0.01
@@ -54,7 +54,7 @@ def of_radiation(share: float) -> list[str]:
         return []
     return [
         f"radiation is {share:.0%} of the heat: particles exchange it with neighbours "
-        "within 1.5 diameters by one mean view, which is some 25 % off for lattices of "
+        f"within {VIEW:g} diameters by one mean view, which is some 25 % off for lattices of "
         "black spheres, above or below; compare "
         "conductivity_zehner_bauer_schluender or a measurement"
     ]

@@ -9,8 +9,8 @@ pressure drop and velocity of the bed are too high by the share (h/9 - delta) A/
 of the area A in a volume V, of drag that grows as the velocity.
 
 Of heat at a wall that is held at another temperature than the bed had: at once it takes
-what its nodes hold, c h/6 per kelvin in quadratic cells (h/2 in linear, h/8 in cubic ones), and later
-what a half space takes, 2 (k c t/pi)^(1/2), where that is more.
+what its nodes hold, c h/6 per kelvin in quadratic cells (h/2 in linear, h/8 in cubic
+ones), and later what a half space takes, 2 (k c t/pi)^(1/2), where that is more.
 """
 
 from __future__ import annotations
@@ -84,6 +84,7 @@ def heat_at_once(plan: Any) -> Iterator[str]:
         held = OF_NODES[scene.solver.degree] * depth * capacity
         passed = 2.0 * (conductivity * capacity * scene.time.end / np.pi) ** 0.5
         if held > AT_ONCE * passed > 0.0:
+            heated = f"{1e3 * passed / capacity:.2g} mm"
             ratio = (1.0 + (held / passed) ** BETWEEN) ** (1.0 / BETWEEN)
             much = (
                 f"{ratio - 1.0:.0%} too high"
@@ -93,9 +94,9 @@ def heat_at_once(plan: Any) -> Iterator[str]:
             yield (
                 f"{scene.origin.at(('boundary', name))}: boundary.{name}: cells at this "
                 f"wall are {1e3 * depth:.3g} mm thick, and at the end the bed is heated "
-                f"{1e3 * passed / capacity:.2g} mm deep: the heat through the wall is "
+                f"{heated} deep: the heat through the wall is "
                 f"about {much}; leave out mesh.cells, or make the cells there "
-                f"thinner than {1e3 * passed / capacity:.2g} mm"
+                f"thinner than {heated}"
             )
 
 

@@ -83,10 +83,7 @@ def store_findings(
     result.qoi |= exchanged(parts) | used(parts, history.gain, capacity)
     whole, of_solid = line.whole, problem.system.fields["T_solid"][0]
     T = whole.probe(of_solid, problem.system.part(history.state, "T_solid"))
-    thickness = thermocline(whole.positions, T, (low, high))
-    if thickness is not None:
-        result.qoi["thermocline_m"] = thickness
-    result.units |= power_units(result.qoi, plan.scene.mesh)
+    _add_thermocline(plan, whole.positions, T, (low, high), result)
 
 
 def closed_store_findings(
@@ -123,7 +120,14 @@ def closed_store_findings(
     capacity = (bed.capacity_fluid + bed.capacity_solid) * volume * (high - low)
     result.qoi |= exchanged([part]) | used([part], heat["stored"], capacity)
     z = np.linspace(0.0, bed.length, len(times))
-    thickness = thermocline(z, bed.at(z, times[-1])[1], (low, high))
+    _add_thermocline(plan, z, bed.at(z, times[-1])[1], (low, high), result)
+
+
+def _add_thermocline(
+    plan: Plan, x: Array, T: Array, span: tuple[float, float], result: Result
+) -> None:
+    """Add the thermocline to the results of a store, and the units of all of them."""
+    thickness = thermocline(x, T, span)
     if thickness is not None:
         result.qoi["thermocline_m"] = thickness
     result.units |= power_units(result.qoi, plan.scene.mesh)

@@ -81,18 +81,13 @@ def _mean_pressure(plan: Plan, flow: Any, kind: str) -> float | None:
     """Return the mean pressure over all boundaries of a kind of flow [Pa]; None where
     there are none.
     """
-    system = flow.system
-    parts = [
-        part
-        for name, role in plan.roles.items()
-        if role == kind
-        for part in system.boundary(name)
-    ]
-    if not parts:
+    names = [name for name, role in plan.roles.items() if role == kind]
+    if not names:
         return None
-    area = system.integrate(lambda u, o: 1.0 + 0.0 * u.p, parts, flow.state)
-    mean = system.integrate(lambda u, o: u.p, parts, flow.state) / area
-    return float(mean / flow.porosity)
+    parts = [part for name in names for part in flow.system.boundary(name)]
+    force = flow.system.integrate(lambda u, o: u.p, parts, flow.state)
+    area = flow.system.integrate(lambda u, o: 1.0 + 0.0 * u.p, parts, flow.state)
+    return float(force / (flow.porosity * area))
 
 
 def _facets(plan: Plan, kind: str) -> Any:
@@ -547,10 +542,14 @@ def front_findings(
     positions = np.unique(plan.scene.output.positions)
     if not len(positions):
         positions = np.linspace(0.0, length, POINTS)
-    along = length - positions if plan.velocity[0] < 0 else positions
+    backwards = plan.velocity[0] < 0
+
+    def at(x: Any, time: float) -> tuple[Any, Any]:
+        return bed.at(length - x if backwards else x, time)
+
     fluid, solid = (
         np.array(part)
-        for part in zip(*(bed.at(along, time) for time in times), strict=True)
+        for part in zip(*(at(positions, time) for time in times), strict=True)
     )
     _tell_if_lifted([plan], fluid[-1:], result)
     T = (bed.inlet, bed.fluid, bed.solid)
@@ -568,7 +567,6 @@ def front_findings(
     result.tables["outlet"] = {"t [s]": every, "T_fluid_out [K]": leaving}
     result.qoi |= {"T_fluid_out_K": float(leaving[-1])}
     x = np.linspace(0.0, length, POINTS)
-    enters, along = (-1, length - x) if plan.velocity[0] < 0 else (0, x)
-    pressure = along_bed(plan, x, bed.at(along, times[-1])[0]).pressure
-    result.qoi["pressure_drop_Pa"] = float(pressure[enters])
+    pressure = along_bed(plan, x, at(x, times[-1])[0]).pressure
+    result.qoi["pressure_drop_Pa"] = float(pressure[-1 if backwards else 0])
     closed_store_findings(plan, bed, np.array([every, leaving]), heat, result)

@@ -16,7 +16,7 @@ from contbed.reacting_bed.history import FLOW, BedHistory
 from contbed.reacting_bed.problem import Problem
 
 MIDDLE = 50
-FEW_CELLS = 3.5  # that a mass-transfer zone has which cells make
+FEW_CELLS = 3.5  # of a mass-transfer zone, up to which it may be that of the cells
 LEVELS = (1, 5, MIDDLE, 95)  # percent of the mole fraction that enters
 MOMENTS = ((0.0, 0.5, 1.0), (1 / 6, 4 / 6, 1 / 6))  # and weights of Simpson's rule
 
@@ -95,16 +95,16 @@ def narrow_zones(
     value or are damped.
     """
     line = course.on(history).problem.line
-    longest = FEW_CELLS * float(line.h.max())
+    cell = float(line.h.max())
     if line.degree and not history.damped.any():
         return []
     return [
-        f"{name} = {length:.3g} m is {length / float(line.h.max()):.2g} cells: where "
+        f"{name} = {length:.3g} m is {length / cell:.2g} cells: where "
         "nothing else spreads the front it shrinks with the cells, and breakthrough at "
         "1 and 5 % comes later: give closures.dispersion_mass for the spread that beds "
         "have, or more mesh.cells"
         for name, length in found.items()
-        if name.startswith("mass_transfer_zone_") and length < longest
+        if name.startswith("mass_transfer_zone_") and length < FEW_CELLS * cell
     ]
 
 

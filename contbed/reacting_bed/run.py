@@ -135,7 +135,7 @@ def _gone_out(problem: Problem, u: Any) -> str | None:
         f"{place}: initial.temperature = {T:g} K, from which the state is sought, is far "
         f"above this state, which has {hottest:.4g} K at most: if reactions have gone out, "
         "the bed may burn in another steady state; a run with [time] from this "
-        "temperature ends there if it burns on"
+        "temperature reaches that state if the bed keeps burning"
     )
 
 

@@ -91,8 +91,8 @@ class Reaction(Table):
     """
 
     equation: str | None = None
-    """"CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; <-> if reversible, where
-    a power law that runs back ends with the solids that it takes"""
+    """"CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; <-> if reversible; a power
+    law that runs backward stops where the solids that it consumes are used up"""
     law: str | None = None
     """rate law by name, which `contbed explain law` lists; absent: power, or the first law
     of a reaction of this name"""

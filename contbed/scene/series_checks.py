@@ -26,7 +26,7 @@ def series_is_usable(
         yield (
             path,
             "changes with time, and the scene is steady; add a [time] table, or give "
-            "one number, as profiles over a place cannot be given",
+            "one number; a profile over position cannot be given",
         )
         return
     try:

@@ -126,7 +126,7 @@ def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]
             if group[beside[j]] < 0 and value[j] > best:
                 best, partner = value[j], beside[j]
         if strongest == 0.0:
-            # smoothing solves for them; coarse levels would never be without them
+            # smoothing solves them exactly; apart they would never become few
             if apart < 0:
                 apart, found = found, found + 1
             group[c] = apart
