@@ -85,13 +85,22 @@ def unusable(
             yield path, str(error)
 
 
+RADIATES_TWICE = (
+    "contains the radiation between the particles, which [radiation] adds a second "
+    "time; leave out [radiation], or give emissivity = 0 here"
+)
+
+
 def radiates_in(spec: Any, base: Path) -> bool:
-    """Return whether a conductivity of a scene is a closure that contains radiation;
-    `base` is the folder of the scene.
+    """Return whether a conductivity of a scene is a closure that contains radiation,
+    and can be called; `base` is the folder of the scene.
     """
     if not named(spec) or is_phase(spec):
         return False
-    found = bind(spec, "conductivity", GIVES["conductivity"], base)
+    try:
+        found = bind(spec, "conductivity", GIVES["conductivity"], base)
+    except SceneError:
+        return False
     given = dict.fromkeys(found.takes, 1.0) | dict(found.parameters)
     return bool(given.get("emissivity", 0.0))
 

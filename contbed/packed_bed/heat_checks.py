@@ -6,7 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from contbed.closures.packed_beds import gas_conducts_twice, radiates_in
+from contbed.closures.packed_beds import (
+    RADIATES_TWICE,
+    gas_conducts_twice,
+    radiates_in,
+)
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import OF_HEAT
 from contbed.packed_bed.inlets import (
@@ -137,11 +141,7 @@ def radiation_counts_once(
     if radiation is None:
         return
     if radiates_in(closures.conductivity_solids, origin.base):
-        yield (
-            ("closures", "conductivity_solids"),
-            "contains the radiation between the particles, which [radiation] adds a "
-            "second time; leave out [radiation], or give emissivity = 0 here",
-        )
+        yield ("closures", "conductivity_solids"), RADIATES_TWICE
     for path, _, condition in conditions_of(boundary):
         if condition.emissivity and boundary[str(path[1])].radiation is not None:
             yield (

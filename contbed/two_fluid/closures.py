@@ -296,5 +296,5 @@ def _at_walls(bed: Simulation, scene: t.TwoFluidScene, there: Any) -> dict[str, 
     if not heat.physics.wall_laws or heat.physics.conductivity is None:
         return {}
     s, T = bed.state.eps_s[there], energy.T_solid[there]
-    k_gas, k_solid = heat.physics.conductivity(s, energy.T_gas[there], T)
-    return walls.local(s, T, k_gas + k_solid, scene)
+    k = heat.physics.conductivities(s, energy.T_gas[there], T).sum(axis=0)
+    return walls.local(s, T, k, scene)

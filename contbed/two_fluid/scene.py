@@ -5,6 +5,7 @@ SI.
     [gas], [solids.NAME]      their properties; two fluids have one solid phase
     [closures]                by name
     [heat]                    temperatures are solved; absent: isothermal
+    [radiation]               between the particles
     [boundary.NAME]           wall, symmetry, periodic, inlet, outlet
     [initial]                 fields at the start, with [[initial.layer]] along the last axis
     [time]                    how long, steps by the Courant number, averages
@@ -205,7 +206,7 @@ class Solid(SolidPhase):
     conductivity: Conductivity | None = None
     """of a particle; for closures.conductivity_bed"""
     emissivity: Emissivity | None = None
-    """of a particle; for radiation to walls that have one"""
+    """of a particle; for [radiation], and for radiation to walls that have one"""
     restitution: PositiveShare = 0.9
     """coefficient of restitution between particles"""
     sliding_friction: NonNegative | None = None
@@ -220,6 +221,18 @@ class Heat(Table):
     """Temperatures of gas and particles are solved; without this table they stay and
     nothing is computed.
     """
+
+
+class Radiation(Table):
+    """Gray radiation between the particles, which moves heat from cell to cell."""
+
+    level: Literal["rosseland"] = "rosseland"
+    """a conductivity of the particles: P1 where the bed is many mean free paths thick
+    """
+    correction: Literal["close_packed", "independent"] = "close_packed"
+    """extinction over the voidage, or the limit of points far apart"""
+    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = 0.0
+    """mean cosine of scattering"""
 
 
 class Window(Table):
@@ -279,13 +292,6 @@ class TwoFluidScene(SceneBase):
     """Gas and particles as two fluids."""
 
     kind: ClassVar[str] = "two_fluid"
-    refused: ClassVar[Mapping[str, str]] = {
-        "radiation": "particles of two fluids radiate to walls only, by "
-        "boundary.NAME.emissivity and solids.NAME.emissivity, as radiation between "
-        "particles that move would be solved anew in each time step; take a "
-        "closures.conductivity_bed that has it, or use [bubbling_bed] or a packed bed "
-        "of the mean porosity"
-    }
 
     mesh: Mesh
     two_fluid: TwoFluid = TwoFluid()
@@ -297,6 +303,7 @@ class TwoFluidScene(SceneBase):
     boundary: dict[str, Boundary] = Field(default_factory=dict)
     """conditions by name of the boundary"""
     heat: Heat | None = None
+    radiation: Radiation | None = None
     time: Time
     output: Output = Output()
     solver: BalancedRun = BalancedRun()

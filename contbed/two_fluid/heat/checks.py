@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from contbed.closures.binding import bind, named
+from contbed.closures.packed_beds import RADIATES_TWICE, radiates_in
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes
 from contbed.scene.tables import Closure
@@ -215,6 +216,33 @@ def radiation_has_both_sides(
             yield ("boundary", side, "emissivity"), text
 
 
+def radiation_has_what_it_needs(
+    heat: t.Heat | None,
+    radiation: t.Radiation | None,
+    solids: dict[str, t.Solid],
+    closures: t.Closures,
+    two_fluid: t.TwoFluid,
+    origin: Origin,
+) -> Mistakes:
+    """Check that particles radiate among each other once, beside what they conduct."""
+    if radiation is None:
+        return
+    if heat is None:
+        yield ("radiation",), "has no meaning without [heat]"
+        return
+    ((name, solid),) = solids.items()
+    if solid.emissivity is None:
+        yield ("solids", name, "emissivity"), "missing; [radiation] needs it"
+    if not conducts(closures, two_fluid):
+        yield (
+            ("radiation",),
+            "needs closures.conductivity_bed, or two_fluid.conductivity_gas and "
+            "_solids: a bed that radiates conducts as well",
+        )
+    if radiates_in(closures.conductivity_bed, origin.base):
+        yield ("closures", "conductivity_bed"), RADIATES_TWICE
+
+
 def temperatures_are_possible(
     gas: t.Gas, initial: Initial, boundary: dict[str, Boundary]
 ) -> Mistakes:
@@ -257,6 +285,7 @@ HEAT_CHECKS = (
     properties_of_heat_are_given,
     closures_of_heat_exist,
     radiation_has_both_sides,
+    radiation_has_what_it_needs,
     temperatures_are_possible,
 )
 """Checks of temperatures, also where there is no [heat]."""

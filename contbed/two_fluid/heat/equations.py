@@ -6,11 +6,11 @@ flow.
 
 F [m/s] are the volume fluxes of the phases that the step moves, k_g and k_s [W/m/K]
 effective conductivities of each phase per area of the bed, h [W/m2/K] the coefficient
-of a particle. Heat of friction, of collisions and of radiation is left out. An ideal
-gas at a low Mach number has rho_g = rho_ref (T_ref/T_g) (p0/p_ref) with the
-thermodynamic pressure p0 [Pa] uniform: that outside of the outlet or, in a closed bed,
-the one at which the mass of gas fills the volume; its expansion is the divergence that
-the equation of pressure keeps,
+of a particle. Radiation between particles is a part of k_s. Heat of friction and of
+collisions is left out. An ideal gas at a low Mach number has rho_g = rho_ref
+(T_ref/T_g) (p0/p_ref) with the thermodynamic pressure p0 [Pa] uniform: that outside of
+the outlet or, in a closed bed, the one at which the mass of gas fills the volume; its
+expansion is the divergence that the equation of pressure keeps,
 
     div(F_g + F_s) = 1/(rho_g cp_g T_g) (conducted and exchanged heat + eps_g dp0/dt) - eps_g/p0 dp0/dt
 
@@ -377,17 +377,16 @@ def _conduct(
     """Add what is conducted now to `rates` (nc, 2) [W]; gas and particles have moved
     the heat capacity `carried` (nf,) [W/K].
     """
-    conductivity = heat.physics.conductivity
-    if conductivity is None and not heat.columns:
+    if heat.physics.conductivity is None and not heat.columns:
         return Conduction()
     g, halo = model.grid.geometry, model.grid.halo
-    k_gas, k_solid = (
-        conductivity(eps_s, energy.T_gas, energy.T_solid)
-        if conductivity is not None
-        else np.zeros((2, len(eps_s)))
+    k_gas, k_solid, radiative = heat.physics.conductivities(
+        eps_s, energy.T_gas, energy.T_solid
     )
     # the few particles of a nearly empty cell hold too little heat to conduct any
-    k_solid = k_solid * np.minimum(1.0, eps_s / FEW_PARTICLES)
+    some = np.minimum(1.0, eps_s / FEW_PARTICLES)
+    contact = k_gas + some * k_solid
+    k_solid = some * (k_solid + radiative)
     links, nowhere = (
         np.empty((len(g.left), 2)),
         np.full_like(heat.at_faces.wall, np.nan),
@@ -406,6 +405,7 @@ def _conduct(
         count = len(heat.layers.face)
         at = Surroundings(
             k_gas + k_solid,
+            contact,
             content,
             T,
             links,

@@ -29,6 +29,8 @@ class Physics:
         T_reference [K] and `pressure` [Pa]
     wall_laws : h [W/m2/K] between walls and bed from eps_s, T_gas and the conductivity
         of both phases
+    radiative : conductivity [W/m/K] (nc,) of the radiation between particles, from
+        eps_s and T_solid; None without
     """
 
     cp_gas: float
@@ -39,6 +41,16 @@ class Physics:
     T_reference: float = 293.15
     pressure: float = 101325.0
     wall_laws: tuple[Callable[[Array, Array, Array], Array], ...] = ()
+    radiative: Callable[[Array, Array], Array] | None = None
+
+    def conductivities(self, eps_s: Array, T_gas: Array, T_solid: Array) -> Array:
+        """Return those [W/m/K] of gas, particles, and radiation between these (3, nc)."""
+        found = np.zeros((3, len(eps_s)))
+        if self.conductivity is not None:
+            found[:2] = self.conductivity(eps_s, T_gas, T_solid)
+        if self.radiative is not None:
+            found[2] = self.radiative(eps_s, T_solid)
+        return found
 
 
 @dataclass(frozen=True)

@@ -4,14 +4,16 @@ temperatures given.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
+from contbed.closures.optics import optical_coefficients, radiation_rosseland
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import Bound, conducts, constants
 from contbed.two_fluid.conditions import Inlet, Wall
+from contbed.two_fluid.fv.gradient import FEW_PARTICLES
 from contbed.two_fluid.heat import wall_laws
 from contbed.two_fluid.heat.model import Physics, Thermal
 
@@ -58,7 +60,27 @@ def physics(scene: t.TwoFluidScene, closures: Bound) -> Physics:
         scene.gas.reference_temperature or scene.initial.gas.temperature or np.nan,
         scene.gas.pressure,
         wall_laws.wall_laws(scene, closures, given),
+        radiative(scene),
     )
+
+
+def radiative(
+    scene: t.TwoFluidScene,
+) -> Callable[[np.ndarray, np.ndarray], np.ndarray] | None:
+    """Return the conductivity [W/m/K] of the radiation between particles; None without
+    [radiation].
+    """
+    table, solid = scene.radiation, scene.solid
+    if table is None:
+        return None
+
+    def of_cells(eps_s: np.ndarray, T_solid: np.ndarray) -> np.ndarray:
+        dense = np.maximum(eps_s, FEW_PARTICLES)
+        each = [dense], [solid.diameter], [solid.emissivity]
+        optics = optical_coefficients(*each, table.correction, table.anisotropy)
+        return np.asarray(radiation_rosseland(T_solid, optics.transport))
+
+    return of_cells
 
 
 def initial(scene: t.TwoFluidScene, height: np.ndarray) -> dict[str, np.ndarray]:
@@ -99,4 +121,6 @@ def described(scene: t.TwoFluidScene) -> str:
         "ideal gas" if scene.gas.density_law == "ideal_gas" else "constant density"
     )
     conduction = "with" if conducts(scene.closures, scene.two_fluid) else "without"
+    if scene.radiation is not None:
+        conduction += " radiation and"
     return f"exchange {scene.closures.nusselt}, {conduction} conduction, {density}"

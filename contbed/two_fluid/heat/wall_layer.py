@@ -8,6 +8,7 @@ over the distance y from the wall, 0 < y < D within the cell,
     C (dT/dt + u_t . grad T + u_n dT/dy) = d(k dT/dy)/dy,   k dT/dy = -(T_wall - T)/R at y = 0
 
 with the conductivity k and the heat capacity C [J/m3/K] of gas and particles together.
+Radiation between particles is part of k beyond those that the wall radiates to.
 The heat flux q = -k dT/dy at the wall is what the cell takes. A state has the
 deviations from the mean temperature of the cell, which alone carries heat from cell to
 cell: no heat is made or lost whatever the layer does. Beside the cell that follows lies
@@ -78,8 +79,8 @@ class WallLayers(NamedTuple):
 class Surroundings(NamedTuple):
     """What layers feel of their cells in a step.
 
-    k (nc,) [W/m/K] : conductivity of gas and particles; content (nc, 2) [J/K]; T (nc,
-    2) [K]
+    k, k_contact (nc,) [W/m/K] : conductivity of gas and particles, with and without the
+        radiation between these; content (nc, 2) [J/K]; T (nc, 2) [K]
     links (nf, 2) [W/K] : of conduction between cells; conducted (nc, 2) [W] by it
     carried (nf,) [W/K] : heat capacity that gas and particles move
     T_wall (nl,) [K]; resistance (nl,) [m2 K/W] : of the contact with the wall
@@ -89,6 +90,7 @@ class Surroundings(NamedTuple):
     """
 
     k: Array
+    k_contact: Array
     content: Array
     T: Array
     links: Array
@@ -235,7 +237,8 @@ def respond(
         # content at the start; nearly all of it is new in a cell that was empty
         before = dt / max(content + dt * left, 1e-12 * content)
         conducts = dt * g.volume[c] / content
-        wall = 1.0 / (at.resistance[k] + w.node[k, 0] / at.k[c])
+        contact = at.k_contact[c]
+        wall = contact / (at.resistance[k] * contact + w.node[k, 0])
         passed = 0.0
         seen = 0
         while seen < n - 1 and w.node[k, seen] < at.reach:
@@ -249,7 +252,8 @@ def respond(
             lower[j] = upper[j] = 0.0
             still[j] = old[c, column + j] + before * still[j]
             if j > 0:
-                lower[j] = rate * at.k[c] / (w.node[k, j] - w.node[k, j - 1])
+                inner = contact if j <= seen else at.k[c]
+                lower[j] = rate * inner / (w.node[k, j] - w.node[k, j - 1])
                 if pushed < 0.0:
                     lower[j] -= pushed * before * passed / w.share[k, j]
             else:
@@ -257,7 +261,8 @@ def respond(
                 driven[j] += rate * wall
             passed += w.share[k, j]
             if j < n - 1:
-                upper[j] = rate * at.k[c] / (w.node[k, j + 1] - w.node[k, j])
+                inner = contact if j < seen else at.k[c]
+                upper[j] = rate * inner / (w.node[k, j + 1] - w.node[k, j])
                 if pushed > 0.0:
                     upper[j] += pushed * before * passed / w.share[k, j]
             else:

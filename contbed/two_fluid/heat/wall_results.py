@@ -88,7 +88,7 @@ def _doubted_coefficients(bed: Simulation, scene: t.TwoFluidScene) -> Iterator[s
             continue
         cells = bed.model.boundary_cells[faces]
         eps_s, T = bed.state.eps_s[cells], energy.T_gas[cells]
-        k = np.sum(heat.physics.conductivity(eps_s, T, energy.T_solid[cells]), axis=0)
+        k = heat.physics.conductivities(eps_s, T, energy.T_solid[cells]).sum(axis=0)
         h = heat.physics.wall_laws[int(laws[0])](eps_s, T, k)
         place, spec = places[int(laws[0])]
         if named(spec):
