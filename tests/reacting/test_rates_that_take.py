@@ -192,12 +192,17 @@ def test_a_constant_rate_of_what_is_left_is_exact():
     assert not result.warnings
 
 
-@pytest.mark.parametrize("gas", ["quasi_steady", "stored"])
-def test_runs_in_time_keep_what_they_passed(gas, tmp_path):
+@pytest.mark.parametrize(
+    ("gas", "excess"), [("quasi_steady", 1.1), ("quasi_steady", 1.5), ("stored", 1.5)]
+)
+def test_runs_in_time_keep_what_they_passed(gas, excess, tmp_path):
+    """A rate that takes more than there is ends a run, whether its first step has a
+    state with amounts below zero or none.
+    """
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     set_keys(scene, "mesh.cells = 8")
     scene["reactions"] = {
-        "r": {"equation": "A -> B", "rate": str(1.5 * 0.5 * MOLAR / 0.4)}
+        "r": {"equation": "A -> B", "rate": str(excess * 0.5 * MOLAR / 0.4)}
     }
     set_keys(scene, "time = { end = 2.0 }")
     scene["packed_bed"]["gas_storage"] = gas
