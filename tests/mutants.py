@@ -58,9 +58,11 @@ def read() -> list[Mutant]:
     return [Mutant(**item) for item in table["mutant"]]
 
 
-def result_of(tests: Sequence[str], mutant: Mutant | None = None) -> tuple[int, str]:
+def result_of(
+    tests: Sequence[str], mutant: Mutant | None = None, jobs: int = 1
+) -> tuple[int, str]:
     """Return what pytest returns for some tests with a copy of the package, mutated or
-    as it is, and its output.
+    as it is, and its output, with so many tests at a time.
 
     Tests of the package as it is may take as long as they do.
     """
@@ -96,6 +98,8 @@ def result_of(tests: Sequence[str], mutant: Mutant | None = None) -> tuple[int, 
             "-m",
             "",
         ]
+        if jobs > 1:
+            command += ["-n", str(jobs), "--dist", "worksteal"]
         command += ["-o", f"pythonpath={folder} {ROOT}", *tests]
         try:
             limit = None if mutant is None else LIMIT
@@ -150,7 +154,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not chosen:
         parser.error(f"no mutant whose file or test contains {', '.join(given.texts)}")
     start = time.perf_counter()
-    code, output = result_of(sorted({mutant.test for mutant in chosen}))
+    tests = sorted({mutant.test for mutant in chosen})
+    code, output = result_of(tests, jobs=given.jobs)
     if code != PASSED:
         print(f"{output}\nthe tests do not pass with the package as it is")
         return 1
