@@ -94,11 +94,10 @@ def test_heat_from_wall_to_wall(diameters, cells):
     assert conducted < 0.75 * found["heat_left_W"]
 
 
-@pytest.mark.parametrize(("shape", "cells"), [("quadrilateral", 4), ("triangle", 16)])
+@pytest.mark.parametrize(("shape", "cells"), [("quadrilateral", 4), ("triangle", 8)])
 def test_each_axis_radiates_alike(shape, cells):
     """Turned by a right angle the bed takes the same heat, to the rounding of the
-    iteration; on triangles, which are then others, to 1 %. Of these conduction alone is
-    as far from the exact heat.
+    iteration; on triangles, which are then others, to 1 %.
     """
     found = []
     for size, of_sides, sides in (
