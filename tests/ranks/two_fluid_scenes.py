@@ -81,7 +81,11 @@ HEAT = """
     boundary.right.heat_flux = 2e4
 """
 TRIANGLES = 'mesh.shape = "triangle"\n'
-HOT_TRIANGLES = TRIANGLES + HEAT + "boundary.bottom.gas.temperature = 600.0\n"
+HOT_TRIANGLES = (
+    TRIANGLES
+    + HEAT
+    + "boundary.bottom.gas.temperature = 600.0\nsolids.beads.emissivity = 0.9\nradiation = {}\n"
+)
 CLOSED = """
     boundary.bottom = { type = "wall" }
     boundary.top = { type = "wall" }
