@@ -20,6 +20,13 @@ from studies._gallery import Table, Tables
 HERE = Path(__file__).parent
 DATA = HERE / "data" / "calibration.toml"
 HOUR = 3600.0
+# they amplify rounding
+NOT_COMPARED = (
+    "low of posterior",
+    "high of posterior",
+    "singular value",
+    "combination",
+)
 FITTED = (0.5, 1.0)  # [h]
 KEYS = {
     "key": "",
