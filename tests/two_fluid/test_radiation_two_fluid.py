@@ -14,7 +14,6 @@ from tests.scene_text import changed, scene_of
 
 HOT, COLD, GRAY = 1400.0, 600.0, (0.9, 0.7)
 EPS_S, EMISSIVITY, DIAMETER, K = 0.58, 0.8, 5e-4, 0.2
-BETA = 1.5 * EPS_S / (DIAMETER * (1.0 - EPS_S))  # 1/m
 
 
 def scene(depth, steps=300, **changes):
@@ -70,10 +69,15 @@ def scene(depth, steps=300, **changes):
     return changed(made, {key.replace("__", "."): v for key, v in changes.items()})
 
 
-def exact(depth):
+def extinction(eps_s):
+    return 1.5 * eps_s / (DIAMETER * (1.0 - eps_s))  # 1/m
+
+
+def exact(depth, eps_s=EPS_S):
     """Heat [W/m2] from wall to wall by conduction and exact radiative transport."""
-    N = K * BETA / (4.0 * SIGMA * HOT**3)
-    found = conduction_radiation(BETA * depth, N, COLD / HOT, 1.0 - EMISSIVITY, GRAY)
+    beta = extinction(eps_s)
+    N = K * beta / (4.0 * SIGMA * HOT**3)
+    found = conduction_radiation(beta * depth, N, COLD / HOT, 1.0 - EMISSIVITY, GRAY)
     return found.total * SIGMA * HOT**4
 
 
@@ -92,6 +96,23 @@ def test_heat_from_wall_to_wall(diameters, cells):
     assert found["heat_right_W"] == approx(-found["heat_left_W"], rel=1e-4)
     conducted = K * (HOT - COLD) / depth
     assert conducted < 0.75 * found["heat_left_W"]
+
+
+@pytest.mark.parametrize(
+    ("eps_s", "off"), [(0.3, 0.01), (0.1, 0.05), (0.03, 0.25)], ids=["26", "7", "2"]
+)
+def test_thin_suspensions_are_warned_of(eps_s, off):
+    """Between walls so many mean free paths apart radiation is less and less a
+    conduction, and a run says so below 10.
+    """
+    made = scene(0.02, mesh__cells=8)
+    made["initial"]["solids"]["beads"]["volume_fraction"] = eps_s
+    made["two_fluid"]["conductivity_gas"] = 0.5 * K / (1.0 - eps_s)
+    made["two_fluid"]["conductivity_solids"] = 0.5 * K / eps_s
+    found = cb.run(from_dict(made))
+    assert found.qoi["heat_left_W"] == approx(exact(0.02, eps_s), rel=off)
+    warned = any("mean free paths" in text for text in found.warnings)
+    assert warned == (extinction(eps_s) * 0.02 < 10.0)
 
 
 @pytest.mark.parametrize(("shape", "cells"), [("quadrilateral", 4), ("triangle", 8)])

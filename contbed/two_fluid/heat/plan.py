@@ -70,17 +70,22 @@ def radiative(
     """Return the conductivity [W/m/K] of the radiation between particles; None without
     [radiation].
     """
-    table, solid = scene.radiation, scene.solid
-    if table is None:
+    if scene.radiation is None:
         return None
 
     def of_cells(eps_s: np.ndarray, T_solid: np.ndarray) -> np.ndarray:
         dense = np.maximum(eps_s, FEW_PARTICLES)
-        each = [dense], [solid.diameter], [solid.emissivity]
-        optics = optical_coefficients(*each, table.correction, table.anisotropy)
-        return np.asarray(radiation_rosseland(T_solid, optics.transport))
+        return np.asarray(radiation_rosseland(T_solid, transport(scene, dense)))
 
     return of_cells
+
+
+def transport(scene: t.TwoFluidScene, eps_s: Any) -> Any:
+    """Return the transport coefficient [1/m] of particles that radiate."""
+    table, solid = scene.radiation, scene.solid
+    assert table is not None
+    each = [eps_s], [solid.diameter], [solid.emissivity]
+    return optical_coefficients(*each, table.correction, table.anisotropy).transport
 
 
 def initial(scene: t.TwoFluidScene, height: np.ndarray) -> dict[str, np.ndarray]:
