@@ -224,11 +224,10 @@ class Heat(Table):
 
 
 class Radiation(Table):
-    """Gray radiation between the particles, which moves heat from cell to cell."""
-
-    level: Literal["rosseland"] = "rosseland"
-    """a conductivity of the particles: P1 where the bed is many mean free paths thick
+    """Gray radiation between the particles, a conductivity: P1 where the bed is many mean
+    free paths thick.
     """
+
     correction: Literal["close_packed", "independent"] = "close_packed"
     """extinction over the voidage, or the limit of points far apart"""
     anisotropy: Annotated[Number, Field(ge=-1, le=1)] = 0.0

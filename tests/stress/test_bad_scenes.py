@@ -276,15 +276,14 @@ def test_any_damage_to_the_text_gives_a_scene_or_clear_lines(start, length, inse
 
 
 def test_a_table_of_another_physics_is_refused_with_a_remedy():
-    """Two fluids take no radiation: by line, with the physics that do."""
-    scene = (Path(contbed.__file__).parent / "two_fluid" / "template.toml").read_text(
-        encoding="utf-8"
-    )
+    """Beds with species take no radiation: by line, with what they take instead."""
+    scene = (
+        Path(contbed.__file__).parent / "reacting_bed" / "template.toml"
+    ).read_text(encoding="utf-8")
     # a file for one model alone
-    scene = scene.replace('model = "two_fluid"', "two_fluid = {}")
+    scene = scene.replace('model = "packed_bed"\n', "")
     line = len(scene.splitlines()) + 1
     refused(
-        rf":{line}: radiation: particles of two fluids radiate to walls only, .* use .bubbling_bed. "
-        r"or",
+        rf":{line}: radiation: a bed with species takes radiation by its conductivity",
         lambda: loads(scene.rstrip("\n") + '\n[radiation]\nlevel = "ordinates"\n'),
     )

@@ -158,7 +158,7 @@ def test_nearly_empty_space_does_not_stop_a_run():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"radiation__level": "p1"}, "radiation.level = .*allowed: rosseland"),
+        ({"radiation__levels": "p1"}, "radiation.levels = .*allowed: correction"),
         ({"solids__beads__emissivity": None}, "radiation. needs it"),
         ({"heat": None}, "radiation: has no meaning without .heat"),
         (
