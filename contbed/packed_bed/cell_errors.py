@@ -26,6 +26,9 @@ FROM_ALL_CELLS = 3.3
 # of the error on a line over the root of the sum of squares of its cells' estimates:
 # from 300 random lines, of which 98 % are within a factor of 3, and none below a third
 ALONG = 0.36
+# of an estimate, which is kept within the tolerance: of 300 random lines none misses it
+# then, 5 miss it by up to 23 % without, and 96 % are still within a factor of 3
+MOST = 2.0
 SHARE = 0.3  # cells with more than this share of the largest estimate are refined
 SMALLEST = 1e-9  # cells below this share of the bed are left alone
 

@@ -182,11 +182,12 @@ def _better(
             cell_errors.total(plan.mesh, error),
             plan.scene.solver.tolerance,
         )
-        if not last and largest > asked:
+        most = cell_errors.MOST * largest
+        if not last and most > asked:
             return plan.refined(error), None
         result.qoi["estimated_error"] = largest
-        if largest > asked:
-            wrong, allowed = distinct(largest, asked)
+        if most > asked:
+            wrong, allowed = distinct(most, asked)
             result.warnings.append(
                 f"the temperature is wrong by up to about {wrong} of the span of "
                 f"temperatures, by its estimate; solver.tolerance asks for {allowed}: "

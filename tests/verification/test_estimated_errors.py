@@ -79,20 +79,22 @@ def judged(count, seed):
 
 
 def test_estimates_of_random_beds():
-    """Within a factor of 3 in nine of ten beds, and true errors within twice the
-    tolerance. The share is that of the slow test less what 40 beds scatter.
+    """Within a factor of 3 in nine of ten beds, and true errors within the tolerance.
+    The share is that of the slow test less what 40 beds scatter.
     """
     estimated, true = judged(40, 11)
-    assert (np.abs(np.log(estimated / true)) < np.log(3.0)).mean() > 0.92
-    assert true.max() < 2.0 * TOLERANCE
+    assert (np.abs(np.log(estimated / true)) < np.log(3.0)).mean() > 0.9
+    assert true.max() < TOLERANCE
 
 
 @pytest.mark.slow
 def test_estimates_of_many_random_beds():
-    """Within a factor of 3 in 95 % of the beds, as the note of the estimate says."""
+    """Within a factor of 3 in 95 % of the beds, as the note of the estimate says, and
+    none misses the tolerance.
+    """
     estimated, true = judged(300, 5)
     assert (np.abs(np.log(estimated / true)) < np.log(3.0)).mean() >= 0.95
-    assert true.max() < 2.0 * TOLERANCE
+    assert true.max() < TOLERANCE
 
 
 def test_a_run_that_misses_its_tolerance_says_so():
