@@ -346,14 +346,17 @@ def _slope(
     1, dim); of the solids with `eps_s`.
     """
     g, cells = model.grid.geometry, model.boundary_cells
+    given = np.where(np.isnan(outside), T[cells], outside)
+    grad = gradient(model, T[:, None], given[:, None], eps_s)
+    if not g.skewed:
+        return given, grad
     edges = slice(model.grid.interior, None)
-    there = T[cells]
-    for _ in range(1 + ALONG_WALLS * g.skewed):
+    # from the foot of the centre to that of the face
+    along = -g.distance[edges, None] * g.non_orthogonal[edges]
+    for _ in range(ALONG_WALLS):
+        there = T[cells] + (along * grad[cells, 0]).sum(axis=1)
         given = np.where(np.isnan(outside), there, outside)
         grad = gradient(model, T[:, None], given[:, None], eps_s)
-        # from the foot of the centre to that of the face
-        along = -g.distance[edges, None] * g.non_orthogonal[edges]
-        there = T[cells] + (along * grad[cells, 0]).sum(axis=1)
     return given, grad
 
 
